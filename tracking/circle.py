@@ -1,0 +1,166 @@
+"""The rim of one ball to a fraction of a pixel: local edges on rays, then a robust circle.
+
+Shading makes one global grey level useless (it is off by several pixels on a ball with a dark lower limb);
+an edge found on each ray by itself, in whatever colour the ball differs from what is behind it *there*,
+is not fooled. A pixel's centre has whole-number coordinates; x runs to the right and y down.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+RAYS = 64
+STEP_PX = 0.5  # along a ray
+FLANK = 0.25  # gradients below this share of the steepest are shading or texture, not rim
+MINIMUM_CONTRAST = 6.0  # grey levels across the rim
+MINIMUM_ARC = np.deg2rad(120)
+MINIMUM_INLIERS = 0.4
+_ANGLES = np.arange(RAYS) * (2 * np.pi / RAYS)
+_DIRECTIONS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Circle:
+    """A ball's outline in pixels; `x_sd`, `y_sd` from the scatter of the rim points, `arc` in rad."""
+
+    x: float
+    y: float
+    radius: float
+    x_sd: float
+    y_sd: float
+    inliers: float
+    arc: float
+    contrast: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rim:
+    """Edge points seen on the rays around a guess: (n, 2) pixels, the rays' angles, contrast across the edge."""
+
+    points: FloatArray
+    angles: FloatArray
+    contrast: float
+
+
+def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float) -> Rim | None:
+    """Look for the rim of a ball on rays from a guessed centre.
+
+    Parameters
+    ----------
+    image : (height, width, 3) array
+    guess : x, y and radius in pixels
+    reach : float
+        The rim is searched within radius ± reach, px.
+
+    Returns
+    -------
+    Rim or None
+        None where too few rays meet an edge.
+    """
+    x, y, _ = guess
+    distance, contrast = _edges(image, guess, reach)
+    seen = np.isfinite(distance)
+    if seen.sum() < MINIMUM_INLIERS * RAYS:
+        return None
+    points = np.array((x, y)) + _DIRECTIONS[seen] * distance[seen, None]
+    return Rim(points=points, angles=_ANGLES[seen], contrast=float(np.median(contrast[seen])))
+
+
+def fit_circle(rim: Rim, guess: tuple[float, float, float], *, free_radius: bool) -> Circle | None:
+    """Fit a circle to a rim, its radius free or as guessed; None where less than 120° of a rim agree."""
+    fit = _robust_circle(rim.points, guess, free_radius=free_radius)
+    if fit is None:
+        return None
+    (x, y), radius, weights, covariance = fit
+    inlying = weights > 0.1
+    arc = _arc(rim.angles[inlying])
+    share = float(inlying.sum() / RAYS)
+    if share < MINIMUM_INLIERS or arc < MINIMUM_ARC:
+        return None
+    return Circle(
+        x=float(x),
+        y=float(y),
+        radius=radius,
+        x_sd=float(np.sqrt(covariance[0, 0])),
+        y_sd=float(np.sqrt(covariance[1, 1])),
+        inliers=share,
+        arc=arc,
+        contrast=rim.contrast,
+    )
+
+
+def locate_circle(
+    image: Image, guess: tuple[float, float, float], *, reach: float, free_radius: bool = False
+) -> Circle | None:
+    """Find a ball's outline near a guess (x, y, radius in px) in one picture; None if it is not seen."""
+    rim = find_rim(image, guess, reach=reach)
+    return None if rim is None else fit_circle(rim, guess, free_radius=free_radius)
+
+
+def _edges(image: Image, guess: tuple[float, float, float], reach: float) -> tuple[FloatArray, FloatArray]:
+    """Find on each ray the distance of the rim from the guessed centre (NaN: none seen), and its contrast."""
+    x, y, radius = guess
+    inner = max(radius - reach, 0.3 * radius)
+    distances = np.arange(inner, radius + reach + STEP_PX, STEP_PX)
+    ray_x = x + _DIRECTIONS[:, :1] * distances
+    ray_y = y + _DIRECTIONS[:, 1:] * distances
+    height, width = image.shape[:2]
+    outside = (ray_x < 0) | (ray_y < 0) | (ray_x > width - 1) | (ray_y > height - 1)
+    levels = cv2.remap(
+        image,
+        ray_x.astype(np.float32),
+        ray_y.astype(np.float32),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    ).astype(np.float64)
+    third = max(2, len(distances) // 4)
+    across = levels[:, -third:].mean(axis=1) - levels[:, :third].mean(axis=1)
+    contrast = np.linalg.norm(across, axis=1)
+    profile = np.einsum("rdc,rc->rd", levels, across / np.maximum(contrast, 1e-9)[:, None])
+    slope = np.diff(profile, axis=1)
+    slope = np.maximum(slope - FLANK * slope.max(axis=1, keepdims=True), 0.0)
+    middles = distances[:-1] + STEP_PX / 2
+    total = slope.sum(axis=1)
+    rim = (slope * middles).sum(axis=1) / np.maximum(total, 1e-9)
+    rim[(contrast < MINIMUM_CONTRAST) | (total <= 0) | outside.any(axis=1)] = np.nan
+    return rim, contrast
+
+
+def _robust_circle(
+    points: FloatArray, guess: tuple[float, float, float], *, free_radius: bool
+) -> tuple[FloatArray, float, FloatArray, FloatArray] | None:
+    """Fit a circle by Gauss-Newton with Tukey weights: centre, radius, weights, covariance."""
+    centre, radius = np.array(guess[:2]), guess[2]
+    weights = np.ones(len(points))
+    covariance = np.eye(2 + free_radius)
+    for iteration in range(15):
+        offset = points - centre
+        distance = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
+        residual = distance - radius
+        scale = max(1.4826 * float(np.median(np.abs(residual))), 0.05)
+        weights = np.clip(1 - (residual / (4.685 * scale)) ** 2, 0, None) ** 2
+        jacobian = offset / distance[:, None]
+        if free_radius:
+            jacobian = np.column_stack((jacobian, np.ones(len(points))))
+        normal = jacobian.T @ (weights[:, None] * jacobian)
+        if not np.linalg.det(normal) > 1e-6:
+            return None
+        step = np.linalg.solve(normal, jacobian.T @ (weights * residual))
+        centre = centre + step[:2]
+        radius = radius + float(step[2]) if free_radius else radius
+        freedom = max(float(weights.sum()) - len(step), 1.0)
+        covariance = np.linalg.inv(normal) * float(weights @ residual**2) / freedom
+        if np.abs(step).max() < 1e-4 and iteration >= 3:
+            break
+    return centre, radius, weights, covariance
+
+
+def _arc(angles: FloatArray) -> float:
+    """Sum up how much of the full turn the rim points cover, in sectors of 15°, rad."""
+    sector = np.deg2rad(15)
+    return float(len(np.unique((angles // sector).astype(int))) * sector)

@@ -1,0 +1,173 @@
+"""Images → one `Track` per ball, in pixels."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.circle import Circle, Image, Rim, find_rim, fit_circle
+from tracking.detect import Blob, find_blobs, make_background
+from tracking.errors import RecordingError
+from tracking.path import MISSING, best_path, guess_radius
+from tracking.video import Recording, read_frames
+
+FloatArray = npt.NDArray[np.float64]
+
+FEWEST_FRAMES = 8
+SHARP = 0.12  # motion blur below this share of the radius
+MARGIN_PX = 3.0
+RADIUS_TOLERANCE = 0.25  # a fitted circle this much larger or smaller than the ball is something else
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Track:
+    """Where one ball was seen: (n,) arrays over the frames in which it was; missing frames are missing.
+
+    `frame` numbers frames in the file, `time` is in s; `x`, `y` (down), their standard deviations and
+    `radius` are in pixels; `arc` is the part of the rim that was seen, rad.
+    """
+
+    ball: str
+    frame: npt.NDArray[np.int64]
+    time: FloatArray
+    x: FloatArray
+    y: FloatArray
+    x_sd: FloatArray
+    y_sd: FloatArray
+    arc: FloatArray
+    radius: float
+    radius_sd: float
+
+
+@dataclass(slots=True)
+class _Sighting:
+    """One frame's rim of one ball, and the circle first fitted to it."""
+
+    frame: int
+    time: float
+    rim: Rim
+    circle: Circle
+    blur: float
+
+
+def track_balls(recording: Recording, *, radius: float | None = None, lower: float | None = None) -> list[Track]:
+    """Track the ball that falls, and the ball it falls on.
+
+    Parameters
+    ----------
+    recording : as `open_recording` gives it
+    radius : float, optional
+        Radius of the falling ball in px; found from the pictures if not given.
+    lower : float, optional
+        Radius of the ball it falls on as a multiple of its own; without it only one ball is tracked.
+
+    Returns
+    -------
+    list of Track
+        The upper ball, then the lower one.
+
+    Raises
+    ------
+    RecordingError
+        If no round thing moves through the picture.
+    """
+    background = make_background(recording.samples)
+    candidates = [find_blobs(frame.image, background) for frame in read_frames(recording)]
+    path, radius = _find_path(recording, candidates, radius)
+    upper: list[_Sighting] = []
+    rest: list[_Sighting] = []
+    below = None if lower is None else _place_below(path, radius, lower)
+    for frame, blob in zip(read_frames(recording), path, strict=True):
+        if blob is not None:
+            blur = abs(blob.height - blob.width)
+            guess = (blob.x, blob.y, radius)
+            _look(upper, frame.image, guess, (frame.index, frame.time, blur))
+        if below is not None:
+            _look(rest, frame.image, below, (frame.index, frame.time, 0.0))
+            below = _next_guess(rest, below, frame.index)
+    tracks = [_as_track("upper", upper, recording)]
+    return [*tracks, _as_track("lower", rest, recording)] if lower is not None else tracks
+
+
+def _find_path(
+    recording: Recording, candidates: Sequence[Sequence[Blob]], radius: float | None
+) -> tuple[list[Blob | None], float]:
+    """Choose the ball among the candidates of every frame, and its radius if it was not given."""
+    radius = guess_radius(candidates) if radius is None else radius
+    if radius is not None:
+        chosen = best_path(candidates, radius)
+        path = [None if i == MISSING else blobs[i] for i, blobs in zip(chosen, candidates, strict=True)]
+        if sum(blob is not None for blob in path) >= FEWEST_FRAMES:
+            return path, radius
+    raise RecordingError(
+        f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against a "
+        "background of another colour, whole and in focus, and check --ball-diameter and the scale"
+    )
+
+
+def _place_below(path: Sequence[Blob | None], radius: float, lower: float) -> tuple[float, float, float]:
+    """Guess the resting ball: under the lowest point that the falling ball reaches."""
+    seen = [blob for blob in path if blob is not None]
+    lowest = max(seen, key=lambda blob: blob.y)
+    return lowest.x, lowest.y + radius * (1 + lower), radius * lower
+
+
+def _look(
+    sightings: list[_Sighting], image: Image, guess: tuple[float, float, float], when: tuple[int, float, float]
+) -> None:
+    """Fit twice, the second time from a good centre and in a narrow ring, and keep what was seen."""
+    index, time, blur = when
+    radius = guess[2]
+    coarse = find_rim(image, guess, reach=0.35 * radius + MARGIN_PX + blur / 2)
+    first = None if coarse is None else fit_circle(coarse, guess, free_radius=True)
+    if first is None or abs(first.radius / radius - 1) > RADIUS_TOLERANCE:
+        return
+    better = (first.x, first.y, first.radius)
+    rim = find_rim(image, better, reach=MARGIN_PX + 0.08 * radius + blur / 2)
+    circle = None if rim is None else fit_circle(rim, better, free_radius=True)
+    if rim is not None and circle is not None:
+        sightings.append(_Sighting(index, time, rim, circle, blur))
+
+
+def _next_guess(
+    sightings: list[_Sighting], last: tuple[float, float, float], index: int
+) -> tuple[float, float, float]:
+    """Expect the ball where it was seen last, with its median radius."""
+    if not sightings or sightings[-1].frame != index:
+        return last
+    circle = sightings[-1].circle
+    return circle.x, circle.y, float(np.median([s.circle.radius for s in sightings[-25:]]))
+
+
+def _as_track(ball: str, sightings: list[_Sighting], recording: Recording) -> Track:
+    """Fit all rims again with the one radius of the sharpest pictures."""
+    if len(sightings) < FEWEST_FRAMES:
+        raise RecordingError(
+            f"{recording.path.name}: the {ball} ball's outline was seen in {len(sightings)} frames only; "
+            "film it larger, sharper and against a background of another colour"
+        )
+    radius, radius_sd = _common_radius(sightings)
+    fits = [(s, fit_circle(s.rim, (s.circle.x, s.circle.y, radius), free_radius=False)) for s in sightings]
+    seen = [(s, circle) for s, circle in fits if circle is not None]
+    return Track(
+        ball=ball,
+        frame=np.array([s.frame for s, _ in seen], dtype=np.int64),
+        time=np.array([s.time for s, _ in seen]),
+        x=np.array([c.x for _, c in seen]),
+        y=np.array([c.y for _, c in seen]),
+        x_sd=np.array([c.x_sd for _, c in seen]),
+        y_sd=np.array([c.y_sd for _, c in seen]),
+        arc=np.array([c.arc for _, c in seen]),
+        radius=radius,
+        radius_sd=radius_sd,
+    )
+
+
+def _common_radius(sightings: list[_Sighting]) -> tuple[float, float]:
+    """Take the median radius over the sharpest pictures and its standard error, px."""
+    blur = np.array([s.blur / s.circle.radius for s in sightings])
+    sharp = blur <= max(SHARP, float(np.quantile(blur, 0.25)))
+    radii = np.array([s.circle.radius for s in sightings])[sharp]
+    spread = 1.4826 * float(np.median(np.abs(radii - np.median(radii))))
+    return float(np.median(radii)), max(spread / np.sqrt(len(radii)), 1e-3)
