@@ -15,6 +15,7 @@ from tracking.flight import (
     VACUUM,
     Air,
     Flight,
+    apex,
     fall_time,
     flight_of_ball,
     position,
@@ -83,12 +84,17 @@ def test_weak_drag_tends_to_the_parabola_without_cancellation(
     assert velocity(weak, start, time) == pytest.approx(velocity(none, start, time), abs=10 * deviation)
 
 
-@given(st.floats(0.1, 8.0))
+@given(velocities.filter(lambda v: abs(v) > 0.1))
 def test_flight_is_smooth_through_the_apex(start: float) -> None:
-    apex = BALL.terminal_speed / BALL.gravity * math.atan(start / BALL.terminal_speed)
-    near = apex + np.array([-1e-6, 1e-6])
-    assert velocity(BALL, start, near) == pytest.approx([9.589e-6, -9.589e-6], rel=1e-3)
-    assert np.ptp(position(BALL, start, near)) < 1e-12
+    time, height = apex(BALL, start)
+    near = time + np.array([-1e-6, 0.0, 1e-6])
+    assert velocity(BALL, start, near) == pytest.approx([9.589e-6, 0, -9.589e-6], rel=1e-3, abs=1e-12)
+    assert position(BALL, start, near) == pytest.approx(height, abs=1e-11)
+
+
+def test_a_ball_thrown_down_too_fast_has_no_apex() -> None:
+    with pytest.raises(ValueError, match="velocity must be above"):
+        apex(BALL, -9.0)
 
 
 @given(velocities.filter(lambda v: abs(v) > 1e-3), times)

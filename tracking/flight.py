@@ -198,6 +198,30 @@ def _stretches(flight: Flight, velocity: Floats, time: Floats) -> tuple[Floats, 
     return np.maximum(scaled, 0), np.maximum(-scaled, 0), rising, x - rising
 
 
+def apex(flight: Flight, velocity: float) -> tuple[float, float]:
+    """Time (s) and displacement (m) of the apex of a ball with `velocity` now; the past if it already falls.
+
+    Raises
+    ------
+    ValueError
+        If the ball falls at its terminal speed or faster: it was thrown, its flight has no apex.
+
+    Examples
+    --------
+    >>> apex(Flight(gravity=10.0), -5.0)
+    (-0.5, 1.25)
+    """
+    if velocity <= -flight.terminal_speed:
+        raise ValueError(f"velocity must be above -{flight.terminal_speed}, got {velocity}")
+    if math.isinf(flight.terminal_speed):
+        time = velocity / flight.gravity
+    else:
+        scaled = velocity / flight.terminal_speed
+        angle = math.atan(scaled) if velocity > 0 else math.atanh(scaled)
+        time = angle * flight.terminal_speed / flight.gravity
+    return time, float(position(flight, velocity, time))
+
+
 def fall_time(flight: Flight, height: ArrayLike) -> Floats:
     """Time a ball let go at rest takes to fall through `height` (m), in s.
 
