@@ -16,8 +16,9 @@ Image = npt.NDArray[np.uint8]
 
 RAYS = 64
 STEP_PX = 0.5  # along a ray
+PEAK_PX = 2.0  # a sharp rim is this wide to each side of its steepest place
 FLANK = 0.25  # gradients below this share of the steepest are shading or texture, not rim
-MINIMUM_CONTRAST = 6.0  # grey levels across the rim
+MINIMUM_STEEPNESS = 2.0  # grey levels a step: less is no edge
 MINIMUM_ARC = np.deg2rad(120)
 MINIMUM_INLIERS = 0.4
 _ANGLES = np.arange(RAYS) * (2 * np.pi / RAYS)
@@ -47,7 +48,7 @@ class Rim:
     contrast: float
 
 
-def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float) -> Rim | None:
+def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float, blur: float = 0.0) -> Rim | None:
     """Look for the rim of a ball on rays from a guessed centre.
 
     Parameters
@@ -56,6 +57,8 @@ def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float) -
     guess : x, y and radius in pixels
     reach : float
         The rim is searched within radius ± reach, px.
+    blur : float
+        How far the ball moves up or down during the exposure, px.
 
     Returns
     -------
@@ -63,7 +66,7 @@ def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float) -
         None where too few rays meet an edge.
     """
     x, y, _ = guess
-    distance, contrast = _edges(image, guess, reach)
+    distance, contrast = _edges(image, guess, reach, blur)
     seen = np.isfinite(distance)
     if seen.sum() < MINIMUM_INLIERS * RAYS:
         return None
@@ -102,7 +105,9 @@ def locate_circle(
     return None if rim is None else fit_circle(rim, guess, free_radius=free_radius)
 
 
-def _edges(image: Image, guess: tuple[float, float, float], reach: float) -> tuple[FloatArray, FloatArray]:
+def _edges(
+    image: Image, guess: tuple[float, float, float], reach: float, blur: float
+) -> tuple[FloatArray, FloatArray]:
     """Find on each ray the distance of the rim from the guessed centre (NaN: none seen), and its contrast."""
     x, y, radius = guess
     inner = max(radius - reach, 0.3 * radius)
@@ -118,17 +123,21 @@ def _edges(image: Image, guess: tuple[float, float, float], reach: float) -> tup
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_REPLICATE,
     ).astype(np.float64)
-    third = max(2, len(distances) // 4)
-    across = levels[:, -third:].mean(axis=1) - levels[:, :third].mean(axis=1)
-    contrast = np.linalg.norm(across, axis=1)
-    profile = np.einsum("rdc,rc->rd", levels, across / np.maximum(contrast, 1e-9)[:, None])
-    slope = np.diff(profile, axis=1)
-    slope = np.maximum(slope - FLANK * slope.max(axis=1, keepdims=True), 0.0)
+    steepness = np.linalg.norm(np.diff(levels, axis=1), axis=2)  # whatever the colour, brighter or darker
     middles = distances[:-1] + STEP_PX / 2
-    total = slope.sum(axis=1)
-    rim = (slope * middles).sum(axis=1) / np.maximum(total, 1e-9)
-    rim[(contrast < MINIMUM_CONTRAST) | (total <= 0) | outside.any(axis=1)] = np.nan
+    expected = np.exp(-0.5 * ((middles - radius) / (0.7 * reach)) ** 2)
+    rim = _steepest(steepness * expected, middles, PEAK_PX + blur / 2 * np.abs(_DIRECTIONS[:, 1]))
+    contrast = np.linalg.norm(levels[:, -1] - levels[:, 0], axis=1)
+    rim[(steepness.max(axis=1) < MINIMUM_STEEPNESS) | outside.any(axis=1)] = np.nan
     return rim, contrast
+
+
+def _steepest(steepness: FloatArray, distances: FloatArray, half_width: FloatArray) -> FloatArray:
+    """Centroid of the steepest part of each ray; what is flat beside it is shading or texture."""
+    peak = distances[steepness.argmax(axis=1)]
+    near = np.abs(distances[None, :] - peak[:, None]) <= half_width[:, None]
+    weight = np.maximum(steepness - FLANK * steepness.max(axis=1, keepdims=True), 0.0) * near
+    return np.asarray((weight * distances).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9))
 
 
 def _robust_circle(

@@ -12,6 +12,8 @@ FloatArray = npt.NDArray[np.float64]
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
 MINIMUM_DIFFERENCE = 8.0  # grey levels
 MINIMUM_DIAMETER_PX = 5
+CUT_SHARE = 0.9  # a cut that leaves more than this of a patch tells nothing new
+CLOSING = np.ones((5, 5), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +33,8 @@ class Background:
 class Blob:
     """A connected patch that differs from the background (pixels, grey levels).
 
-    `fill` is its area over that of the ellipse in its bounding box: 1 for a ball, sharp or smeared by motion.
+    `x`, `y` is the middle of its bounding box: a ball's shaded side may be as bright as the wall behind it
+    and leave a hole, which would draw a centroid away. `fill` is its area over that of the ellipse in its bounding box: 1 for a ball, sharp or smeared by motion.
     """
 
     x: float
@@ -40,6 +43,7 @@ class Blob:
     height: float
     area: float
     contrast: float
+    at_border: bool
 
     @property
     def fill(self) -> float:
@@ -66,12 +70,13 @@ def difference(image: Image, background: Image) -> npt.NDArray[np.uint8]:
 
 
 def find_blobs(image: Image, background: Background) -> list[Blob]:
-    """List what differs from the background, each patch cut at half its own contrast.
+    """List what differs from the background: each patch whole, and cut at half its own contrast.
 
-    Cutting each patch at half its own contrast parts a ball from its fainter shadow or reflection.
+    The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
+    from its fainter shadow or reflection.
     """
     apart = difference(image, background.image)
-    mask = (apart > background.threshold).astype(np.uint8)
+    mask = cv2.morphologyEx((apart > background.threshold).astype(np.uint8), cv2.MORPH_CLOSE, CLOSING)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     blobs = []
     for label in range(1, count):
@@ -80,24 +85,36 @@ def find_blobs(image: Image, background: Background) -> list[Blob]:
             continue
         window = (slice(top, top + height), slice(left, left + width))
         levels = np.where(labels[window] == label, apart[window], 0)
-        blobs += _cores(levels, left, top)
+        contrast = float(np.percentile(levels[levels > 0], 90))
+        blobs.append(_blob(stats[label], contrast, mask.shape))
+        core = (levels > 0.5 * contrast).astype(np.uint8)
+        if core.sum() < CUT_SHARE * area:
+            blobs += _cores(core, (left, top), contrast, mask.shape)
     return blobs
 
 
-def _cores(levels: npt.NDArray[np.uint8], left: int, top: int) -> list[Blob]:
-    """Cut one patch at half its contrast and describe each piece."""
-    contrast = float(np.percentile(levels[levels > 0], 90))
-    core = (levels > 0.5 * contrast).astype(np.uint8)
-    count, _, stats, centres = cv2.connectedComponentsWithStats(core, connectivity=4)
+def _cores(
+    core: npt.NDArray[np.uint8], corner: tuple[int, int], contrast: float, shape: tuple[int, ...]
+) -> list[Blob]:
+    """Describe the pieces of a patch that was cut."""
+    count, _, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4)
+    shift = np.array([*corner, 0, 0, 0])
     return [
-        Blob(
-            x=left + float(centres[label][0]),
-            y=top + float(centres[label][1]),
-            width=float(stats[label][2]),
-            height=float(stats[label][3]),
-            area=float(stats[label][4]),
-            contrast=contrast,
-        )
+        _blob(stats[label] + shift, contrast, shape)
         for label in range(1, count)
         if min(stats[label][2], stats[label][3]) >= MINIMUM_DIAMETER_PX
     ]
+
+
+def _blob(stats: npt.NDArray[np.int64], contrast: float, shape: tuple[int, ...]) -> Blob:
+    """Describe a connected component by OpenCV's statistics of it."""
+    left, top, width, height, area = (float(v) for v in stats)
+    return Blob(
+        x=left + (width - 1) / 2,
+        y=top + (height - 1) / 2,
+        width=width,
+        height=height,
+        area=area,
+        contrast=contrast,
+        at_border=left <= 0 or top <= 0 or left + width >= shape[1] or top + height >= shape[0],
+    )

@@ -10,7 +10,9 @@ MISSING = -1
 MISSING_COST = 6.0
 SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at half contrast)
 FILL_SPREAD = 0.15
+BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
 LONGEST_GAP = 12  # frames a path may skip
+LONGEST_STEP = 16.0  # radii a frame: what is further away is another thing
 
 
 def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
@@ -39,7 +41,7 @@ def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
 
 def _round(blob: Blob) -> bool:
     """Tell whether a patch could be a ball, sharp or smeared upright."""
-    return 0.8 < blob.fill < 1.15 and 0.75 < blob.height / blob.width < 2.5
+    return not blob.at_border and 0.8 < blob.fill < 1.15 and 0.75 < blob.height / blob.width < 2.5
 
 
 def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
@@ -82,7 +84,7 @@ def _misfit(blob: Blob, radius: float) -> float:
     size = np.log(blob.width / (2 * radius)) / SIZE_SPREAD
     fill = np.log(blob.fill) / FILL_SPREAD
     stretch = max(0.0, abs(np.log(blob.height / blob.width)) - 0.25)
-    return float(size**2 + fill**2 + 2 * stretch)
+    return float(size**2 + fill**2 + 2 * stretch + BORDER_COST * blob.at_border)
 
 
 def _step_costs(before: Sequence[Blob], after: Sequence[Blob], radius: float, gap: int) -> np.ndarray:
@@ -90,7 +92,8 @@ def _step_costs(before: Sequence[Blob], after: Sequence[Blob], radius: float, ga
     across = np.subtract.outer([b.x for b in before], [b.x for b in after]) / (radius * gap)
     along = np.subtract.outer([b.y for b in before], [b.y for b in after]) / (radius * gap)
     fade = np.log(np.divide.outer([b.contrast for b in before], [b.contrast for b in after]))
-    return np.asarray(across**2 + 0.1 * np.abs(along) + fade**2)
+    cost = across**2 + 0.1 * np.abs(along) + fade**2
+    return np.asarray(np.where(np.abs(along) * gap > LONGEST_STEP * min(gap, 3), np.inf, cost))
 
 
 def _walk_back(cost: list[np.ndarray], origin: list[list[tuple[int, int] | None]]) -> list[int]:

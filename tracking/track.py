@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.signal import find_peaks
 
-from tracking.circle import Circle, Image, Rim, find_rim, fit_circle
+from tracking.circle import Circle, Image, Rim, find_rim, fit_circle, locate_circle
 from tracking.detect import Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
@@ -16,19 +17,22 @@ FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
 SHARP = 0.12  # motion blur below this share of the radius
-MARGIN_PX = 3.0
-RADIUS_TOLERANCE = 0.25  # a fitted circle this much larger or smaller than the ball is something else
+MARGIN_PX = 2.5
+FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
+RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
     """Where one ball was seen: (n,) arrays over the frames in which it was; missing frames are missing.
 
-    `frame` numbers frames in the file, `time` is in s; `x`, `y` (down), their standard deviations and
-    `radius` are in pixels; `arc` is the part of the rim that was seen, rad.
+    `frame` numbers frames in the file, `time` is in s, `arc` is the part of the rim that was seen, rad.
+    `x`, `y`, their standard deviations and `radius` are in pixels with y down (`unit` "px") as they come
+    from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`.
     """
 
     ball: str
+    unit: str
     frame: npt.NDArray[np.int64]
     time: FloatArray
     x: FloatArray
@@ -84,6 +88,7 @@ def track_balls(recording: Recording, *, radius: float | None = None, lower: flo
             guess = (blob.x, blob.y, radius)
             _look(upper, frame.image, guess, (frame.index, frame.time, blur))
         if below is not None:
+            below = below if rest else _find_resting(frame.image, below)
             _look(rest, frame.image, below, (frame.index, frame.time, 0.0))
             below = _next_guess(rest, below, frame.index)
     tracks = [_as_track("upper", upper, recording)]
@@ -107,10 +112,25 @@ def _find_path(
 
 
 def _place_below(path: Sequence[Blob | None], radius: float, lower: float) -> tuple[float, float, float]:
-    """Guess the resting ball: under the lowest point that the falling ball reaches."""
-    seen = [blob for blob in path if blob is not None]
-    lowest = max(seen, key=lambda blob: blob.y)
-    return lowest.x, lowest.y + radius * (1 + lower), radius * lower
+    """Guess the resting ball: under the place where the falling ball first turns."""
+    seen = [blob for blob in path if blob is not None and blob.height < 3 * radius]
+    depth = np.array([blob.y for blob in seen])
+    turns, _ = find_peaks(depth, prominence=radius / 2)
+    turn = seen[turns[0] if turns.size else int(np.argmax(depth))]
+    return turn.x, turn.y + radius * (1 + lower), radius * lower
+
+
+def _find_resting(image: Image, guess: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Find the resting ball up to a radius above or below the guess: where the best rim is."""
+    x, y, radius = guess
+    reach = 0.15 * radius + MARGIN_PX
+    best, least = guess, np.inf
+    for shift in np.linspace(-1, 1, 9) * radius:
+        coarse = locate_circle(image, (x, y + shift, radius), reach=reach)
+        circle = coarse and locate_circle(image, (coarse.x, coarse.y, radius), reach=MARGIN_PX)
+        if circle and circle.y_sd / circle.inliers < least:
+            best, least = (circle.x, circle.y, radius), circle.y_sd / circle.inliers
+    return best
 
 
 def _look(
@@ -119,15 +139,15 @@ def _look(
     """Fit twice, the second time from a good centre and in a narrow ring, and keep what was seen."""
     index, time, blur = when
     radius = guess[2]
-    coarse = find_rim(image, guess, reach=0.35 * radius + MARGIN_PX + blur / 2)
-    first = None if coarse is None else fit_circle(coarse, guess, free_radius=True)
-    if first is None or abs(first.radius / radius - 1) > RADIUS_TOLERANCE:
+    coarse = find_rim(image, guess, reach=0.15 * radius + MARGIN_PX + blur / 2, blur=blur)
+    first = None if coarse is None else fit_circle(coarse, guess, free_radius=False)
+    if first is None:
         return
-    better = (first.x, first.y, first.radius)
-    rim = find_rim(image, better, reach=MARGIN_PX + 0.08 * radius + blur / 2)
-    circle = None if rim is None else fit_circle(rim, better, free_radius=True)
-    if rim is not None and circle is not None:
-        sightings.append(_Sighting(index, time, rim, circle, blur))
+    rim = find_rim(image, (first.x, first.y, radius), reach=MARGIN_PX + 0.05 * radius + blur / 2, blur=blur)
+    circle = None if rim is None else fit_circle(rim, (first.x, first.y, radius), free_radius=True)
+    if rim is None or circle is None or abs(circle.radius - radius) > RADIUS_TOLERANCE * radius + blur / 4:
+        return
+    sightings.append(_Sighting(index, time, rim, circle, blur))
 
 
 def _next_guess(
@@ -152,12 +172,13 @@ def _as_track(ball: str, sightings: list[_Sighting], recording: Recording) -> Tr
     seen = [(s, circle) for s, circle in fits if circle is not None]
     return Track(
         ball=ball,
+        unit="px",
         frame=np.array([s.frame for s, _ in seen], dtype=np.int64),
         time=np.array([s.time for s, _ in seen]),
         x=np.array([c.x for _, c in seen]),
         y=np.array([c.y for _, c in seen]),
-        x_sd=np.array([c.x_sd for _, c in seen]),
-        y_sd=np.array([c.y_sd for _, c in seen]),
+        x_sd=np.array([max(c.x_sd, FINEST_PX) for _, c in seen]),
+        y_sd=np.array([max(c.y_sd, FINEST_PX) for _, c in seen]),
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
