@@ -11,7 +11,7 @@ from tracking.flight import Flight, Floats, apex, fall_time, flight_of_ball, pos
 from tracking.render_scene import DropScene
 
 REST_SPEED = 0.01
-"""Slower than this (m/s) a ball stays on the plate; balls part at no less. It means 5 micrometres of height."""
+"""Slower than this (m/s) a ball stays on the plate; balls part at no less. A hop of it is 5 micrometres."""
 SEARCH_STEP = 2e-4
 """Spacing of the times at which balls are checked for a meeting, s."""
 
@@ -40,7 +40,7 @@ class Impact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drop:
-    """All that happens in a scene: stretches of each ball (upper first), impacts, times of release and end."""
+    """All that happens in a scene: the stretches of each ball, upper first, and the impacts; times in s."""
 
     paths: tuple[tuple[Stretch, ...], ...]
     impacts: tuple[Impact, ...]
@@ -89,7 +89,8 @@ def play(scene: DropScene) -> Drop:
     time, meeting = scene.hold + float(fall_time(flights[0], scene.drop_height)), scene.kind == "two"
     end = time + scene.after
     impacts: list[Impact] = []
-    while time <= end:
+    filmed = end + 2 / scene.camera.fps  # the last exposure goes on after the end
+    while time <= filmed:
         before = tuple(_velocity(path[-1], time) for path in paths)
         after = _respond(scene, before, meeting=meeting, first=not impacts)
         impacts.append(Impact(time=time, before=before, after=after))
@@ -97,7 +98,7 @@ def play(scene: DropScene) -> Drop:
             if new != old:
                 height = float(_height(path[-1], time))
                 path.append(Stretch(time=time, height=height, velocity=new, flight=flight if new else None))
-        time, meeting = _next_impact(scene, paths, time, end)
+        time, meeting = _next_impact(scene, paths, time, filmed)
     return Drop(paths=tuple(map(tuple, paths)), impacts=tuple(impacts), release=scene.hold, end=end)
 
 
