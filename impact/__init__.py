@@ -1,1 +1,56 @@
-"""Room under construction."""
+"""Simultaneous collisions as a state transition diagram (Jia, Mason and Erdmann, 2008).
+
+>>> from impact import Ball, Contact, TwoBallDrop, collide
+>>> ball = Ball(mass=0.0027, radius=0.020)
+>>> drop = TwoBallDrop(upper=ball, lower=ball, approach_velocity=-3.0,
+...                    ball_ball=Contact(restitution=0.807755),
+...                    ball_table=Contact(restitution=0.846529, stiffness=10.0))
+>>> print(collide(drop))
+velocities 2.33819, 0.559932 in states S1 S3 S1 S2; energy loss 0.0043461 J
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from impact.bodies import Ball, Cue
+from impact.collision import Collision, ConvergenceError, Segment
+from impact.contact import Contact, ContactMode, Event, Phase, RestitutionLaw
+from impact.drop import BallChain, BallColumn, TwoBallDrop
+from impact.system import ImpactSystem
+
+if TYPE_CHECKING:
+    from impact.diagram import collide
+    from impact.many import collide_many
+
+__all__ = [
+    "Ball",
+    "BallChain",
+    "BallColumn",
+    "Collision",
+    "Contact",
+    "ContactMode",
+    "ConvergenceError",
+    "Cue",
+    "Event",
+    "ImpactSystem",
+    "Phase",
+    "RestitutionLaw",
+    "Segment",
+    "TwoBallDrop",
+    "collide",
+    "collide_many",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the compiled engine when it is first asked for, so that importing bodies stays quick."""
+    if name == "collide":
+        from impact.diagram import collide
+
+        return collide
+    if name == "collide_many":
+        from impact.many import collide_many
+
+        return collide_many
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,186 @@
+"""What came out of a collision, state by state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from impact._checks import Array
+from impact.contact import ContactMode, Event, RestitutionLaw
+from impact.system import ImpactSystem
+
+if TYPE_CHECKING:
+    from impact.record import Record
+    from impact.scaling import Task
+
+EVENT_LETTERS = tuple(event.value for event in Event)
+
+
+class ConvergenceError(RuntimeError):
+    """A collision that did not end.
+
+    Attributes
+    ----------
+    partial : Collision or ShotOutcome
+        What had happened when the run was given up.
+    """
+
+    def __init__(self, message: str, partial: Any) -> None:
+        super().__init__(message)
+        self.partial = partial
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Segment:
+    """The stretch of a collision inside one state.
+
+    Attributes
+    ----------
+    state : str
+        Name of the state.
+    events : str
+        What happened, in order: C compression ended, R restitution ended, A a contact became active again,
+        each with its contact counted from 1, as in ``"C2-C1-R2"``.
+    impulses : (samples, n) array
+        Normal impulses since the start of the collision, N s.
+    tangential_impulses : (samples, n, r - 1) array
+        Friction impulses along the contacts' tangents, N s.
+    elastic_energies : (samples, n) array
+        Energy stored in each contact, J.
+    modes : tuple of n tuples of ContactMode
+        Per contact the modes it went through; empty where it was not active.
+    """
+
+    state: str
+    events: str
+    impulses: Array
+    tangential_impulses: Array
+    elastic_energies: Array
+    modes: tuple[tuple[ContactMode, ...], ...]
+
+    def __repr__(self) -> str:
+        ends = ", ".join(f"{impulse:.6g}" for impulse in self.impulses[-1])
+        return f"<Segment {self.state}: {self.events or 'no event'}, impulses to ({ends}) N s>"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Collision:
+    """Outcome of a collision.
+
+    Attributes
+    ----------
+    system : ImpactSystem
+        What collided.
+    law : RestitutionLaw
+        Law that ended restitution.
+    velocities : (d,) array
+        Generalized velocity after the collision, in the order of `system.velocity`.
+    impulses : (n,) array
+        Normal impulse of each contact, N s.
+    tangential_impulses : (n, r - 1) array
+        Friction impulse of each contact along its tangents, N s.
+    states : tuple of str
+        Names of the states in order.
+    energy_loss : float
+        Kinetic energy before minus after, J.
+    energy_dropped : (n,) array
+        Energy lost at each contact where restitution ended, J. Under Poisson's law it may be negative.
+    friction_work : (n,) array
+        Energy turned into heat by sliding at each contact, J.
+    """
+
+    system: ImpactSystem
+    law: RestitutionLaw
+    velocities: Array
+    impulses: Array
+    tangential_impulses: Array
+    states: tuple[str, ...]
+    energy_loss: float
+    energy_dropped: Array
+    friction_work: Array
+    task: Task
+    record: Record
+
+    @classmethod
+    def from_run(cls, system: ImpactSystem, law: RestitutionLaw, task: Task, record: Record) -> Collision:
+        """Read the outcome from the notes of a run."""
+        count = len(system.contacts)
+        impulse = task.impulse
+        by_contact = impulse.reshape(count, -1)
+        jacobian = system.jacobian.reshape(impulse.size, -1)
+        return cls(
+            system=system,
+            law=law,
+            velocities=system.velocity + system.inverse_mass @ (jacobian.T @ impulse),
+            impulses=by_contact[:, 0],
+            tangential_impulses=by_contact[:, 1:],
+            states=tuple(_state_names(system, record)),
+            energy_loss=float(-impulse @ (task.velocity + 0.5 * task.delassus @ impulse)),
+            energy_dropped=task.contacts["energy_dropped"],
+            friction_work=task.contacts["friction_work"],
+            task=task,
+            record=record,
+        )
+
+    @property
+    def energy_borrowed(self) -> float:
+        """Energy that Poisson's law took without its being stored, J; zero under the energy law."""
+        return float(-np.minimum(self.energy_dropped, 0.0).sum())
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The stretch inside each state, in order."""
+        return tuple(self._segment(index, name) for index, name in enumerate(self.states))
+
+    def _segment(self, index: int, name: str) -> Segment:
+        record = self.record
+        count = len(self.system.contacts)
+        _, impulse_unit, length_unit = self.task.units
+        start, stop = record.states[index, :2]
+        samples = record.samples[start:stop]
+        impulses = (samples[:, 2 * count :] * impulse_unit).reshape(len(samples), count, -1)
+        stiffness = np.array([contact.stiffness for contact in self.system.contacts])
+        exponent = np.array([contact.exponent for contact in self.system.contacts])
+        depths = np.maximum(samples[:, :count], 0.0) * length_unit
+        energy = stiffness * depths ** (exponent + 1.0) / (exponent + 1.0)
+        return Segment(
+            state=name,
+            events=_events(record, index),
+            impulses=impulses[:, :, 0],
+            tangential_impulses=impulses[:, :, 1:],
+            elastic_energies=energy,
+            modes=tuple(_modes(samples[:, count + contact]) for contact in range(count)),
+        )
+
+    def __repr__(self) -> str:
+        velocities = ", ".join(f"{velocity:.6g}" for velocity in self.velocities)
+        noun = "state" if len(self.states) == 1 else "states"
+        shown = " ".join(self.states[:12]) + (" ..." if len(self.states) > 12 else "")
+        text = f"velocities {velocities} in {noun} {shown or 'none'}; energy loss {self.energy_loss:.6g} J"
+        if self.energy_borrowed > 1e-9 * abs(self.energy_loss):
+            text += f"; the law borrowed {self.energy_borrowed:.6g} J that no contact had stored"
+        return text
+
+
+def _state_names(system: ImpactSystem, record: Record) -> Iterator[str]:
+    for row in record.states[: record.counts[0], 2:].tolist():
+        active = [index for index, flag in enumerate(row) if flag]
+        unnamed = "{" + ",".join(str(index + 1) for index in active) + "}"
+        yield system.state_names.get(frozenset(active), unnamed)
+
+
+def _events(record: Record, state: int) -> str:
+    noted = record.events[: record.counts[2]]
+    noted = noted[noted[:, 0] == state]
+    return "-".join(f"{EVENT_LETTERS[code]}{contact + 1}" for _, code, contact in noted.tolist())
+
+
+def _modes(codes: Array) -> tuple[ContactMode, ...]:
+    """Modes in the order they were met, each once in a row."""
+    if not len(codes) or codes[0] < 0:
+        return ()
+    changes = np.flatnonzero(np.diff(codes)) + 1
+    return tuple(ContactMode(int(code)) for code in codes[np.concatenate([[0], changes])])

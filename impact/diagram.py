@@ -1,0 +1,122 @@
+"""The state transition diagram: evolve, make the transition, until no contact is active.
+
+Read `follow_diagram` first; it is the whole algorithm. What happens inside a state is in `evolve`, what
+happens between two states in `transition`, and the equations both rest on in `kernel`.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeVar
+
+from impact._checks import require_within
+from impact.collision import Collision, ConvergenceError
+from impact.contact import RestitutionLaw
+from impact.evolve import evolve
+from impact.kernel import Core, compiled
+from impact.record import STATES, Record, new_record, open_state, room_needed
+from impact.scaling import Task, new_core, new_task, settle_accounts
+from impact.system import ImpactSystem
+from impact.transition import engage, transition
+
+FINISHED, EXHAUSTED, STALLED = 0, 1, 2
+REASONS = {
+    EXHAUSTED: "more than {most_states} states",
+    STALLED: "a state that does not end",
+}
+
+Outcome = TypeVar("Outcome", covariant=True)
+
+
+class Scene(Protocol[Outcome]):
+    """What `collide` can run: anything that knows its system and how to present its collision."""
+
+    def system(self) -> ImpactSystem:
+        """Return the bodies and contacts."""
+
+    def outcome(self, collision: Collision) -> Outcome:
+        """Present the collision in the scene's own words."""
+
+
+@compiled
+def follow_diagram(core: Core, record: Record, most_states: int) -> int:
+    """Run a collision from first contact to last; say how it ended."""
+    while engage(core):
+        if record.counts[STATES] >= most_states:
+            return EXHAUSTED
+        open_state(core, record)
+        if not evolve(core, record):
+            return STALLED
+        transition(core, record)
+    return FINISHED
+
+
+@compiled
+def run(task: Task, record: Record, most_states: int) -> int:
+    """Scale one task, follow the diagram, and write the results back in SI units."""
+    core = new_core(task)
+    status = follow_diagram(core, record, most_states)
+    settle_accounts(task, core)
+    return status
+
+
+def collide(
+    scene: Scene[Outcome],
+    *,
+    law: RestitutionLaw = RestitutionLaw.ENERGY,
+    rtol: float = 1e-10,
+    most_states: int = 20_000,
+) -> Outcome:
+    """Let bodies collide at several contacts at once.
+
+    Parameters
+    ----------
+    scene : TwoBallDrop, BallColumn, BallChain, CueShot or ImpactSystem
+        What collides.
+    law : RestitutionLaw
+        When a contact ends: by energy (the paper's law) or by Poisson's impulses.
+    rtol : float
+        Error allowed in one step, relative to the fastest approach, within [1e-13, 1e-3].
+    most_states : int
+        Give up after so many states.
+
+    Returns
+    -------
+    Collision or ShotOutcome
+        Velocities after the collision and how they came about. A `CueShot` gives a `ShotOutcome`.
+
+    Raises
+    ------
+    ConvergenceError
+        If the collision does not end; its `partial` holds what happened so far.
+
+    Examples
+    --------
+    Figure 4 of the paper:
+
+    >>> from impact import Ball, Contact, TwoBallDrop
+    >>> ball = Ball(mass=1.0, radius=0.02)
+    >>> drop = TwoBallDrop(upper=ball, lower=ball, approach_velocity=-3.0,
+    ...                    ball_ball=Contact(restitution=0.9**0.5),
+    ...                    ball_table=Contact(restitution=0.4**0.5, stiffness=10.0))
+    >>> outcome = collide(drop)
+    >>> outcome.states
+    ('S1', 'S3', 'S1', 'S2')
+    >>> outcome.velocities.round(6).tolist()
+    [2.44136, 0.735552]
+    """
+    require_within("rtol", rtol, 1e-13, 1e-3)
+    system = scene.system()
+    room = 16
+    while True:
+        task = new_task(system, law, rtol)
+        record = new_record(len(system.contacts), task.impulse.size, room)
+        status = run(task, record, most_states)
+        needed = room_needed(record)
+        if needed <= room:
+            break
+        room = needed
+    collision = Collision.from_run(system, law, task, record)
+    if status != FINISHED:
+        reason = REASONS[status].format(most_states=most_states)
+        raise ConvergenceError(f"the collision did not end: {reason}", scene.outcome(collision))
+    return scene.outcome(collision)

@@ -1,0 +1,103 @@
+"""The compiled notebook: states, events and the path between them, in tables of fixed length.
+
+Counting goes on when a table is full, so the caller learns how much room a second run needs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from impact._checks import Array
+from impact.kernel import INACTIVE, OPENING, SPEED_FLOOR, Core, compiled
+
+Integers = npt.NDArray[np.int64]
+
+STATES, SAMPLES, EVENTS, IS_OPEN = 0, 1, 2, 3
+COMPRESSION_ENDS, RESTITUTION_ENDS, REACTIVATION = 0, 1, 2
+
+
+class Record(NamedTuple):
+    """What is written down during one collision."""
+
+    counts: Integers  # (4,) states, samples, events; whether a state has begun and not ended
+    states: Integers  # (states, 2 + n) first and last sample, then which contacts are active
+    events: Integers  # (events, 3) state, code, contact
+    samples: Array  # (samples, 2 n + n r) compressions, modes (-1 if inactive), impulses
+
+
+def new_record(contacts: int, size: int, room: int, samples_per_state: int = 64) -> Record:
+    """Empty notebook with room for so many states, each of so many samples."""
+    return Record(
+        np.zeros(4, np.int64),
+        np.zeros((room, 2 + contacts), np.int64),
+        np.zeros((4 * room, 3), np.int64),
+        np.zeros((samples_per_state * room, 2 * contacts + size)),
+    )
+
+
+def room_needed(record: Record) -> int:
+    """States of room a record should have had for what was counted."""
+    states, samples, events, _ = record.counts.tolist()
+    used = samples * len(record.states) / max(len(record.samples), 1)
+    return int(max(states + 1, math.ceil(used), math.ceil(events / 4)))
+
+
+@compiled
+def note_sample(core: Core, record: Record, source: int) -> None:
+    """Write down one point."""
+    sample = record.counts[SAMPLES]
+    record.counts[SAMPLES] += 1
+    if sample >= record.samples.shape[0]:
+        return
+    count = core.contacts.size
+    for index in range(count):
+        contact = core.contacts[index]
+        record.samples[sample, index] = core.work[source, index]
+        record.samples[sample, count + index] = contact.mode if contact.phase != INACTIVE else -1
+    for row in range(core.impulse.size):
+        record.samples[sample, 2 * count + row] = core.impulse[row] + core.work[source, count + row]
+
+
+@compiled
+def note_event(record: Record, code: int, index: int) -> None:
+    """Write down that something happened at a contact in the present state."""
+    event = record.counts[EVENTS]
+    record.counts[EVENTS] += 1
+    if event < record.events.shape[0]:
+        record.events[event, 0] = record.counts[STATES]
+        record.events[event, 1] = code
+        record.events[event, 2] = index
+
+
+@compiled
+def open_state(core: Core, record: Record) -> None:
+    """Begin a state, unless one has begun: note which contacts are active and where the path starts."""
+    if record.counts[IS_OPEN]:
+        return
+    record.counts[IS_OPEN] = 1
+    for row in range(core.impulse.size):
+        core.work[OPENING, row] = core.impulse[row]
+    state = record.counts[STATES]
+    if state < record.states.shape[0]:
+        record.states[state, 0] = record.counts[SAMPLES]
+        for index in range(core.contacts.size):
+            record.states[state, 2 + index] = core.contacts[index].phase != INACTIVE
+
+
+@compiled
+def close_state(core: Core, record: Record) -> None:
+    """End a state; one in which no impulse grew is no state and is written over by the next."""
+    record.counts[IS_OPEN] = 0
+    growth = 0.0
+    for row in range(core.impulse.size):
+        growth = max(growth, abs(core.impulse[row] - core.work[OPENING, row]))
+    if growth <= SPEED_FLOOR:
+        return
+    state = record.counts[STATES]
+    record.counts[STATES] += 1
+    if state < record.states.shape[0]:
+        record.states[state, 1] = record.counts[SAMPLES]
