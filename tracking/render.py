@@ -44,7 +44,7 @@ def frames(scene: DropScene) -> Iterator[NDArray[np.uint8]]:
     """
     rng = np.random.default_rng(scene.seed)
     stage = build_stage(scene, rng)
-    tiles = noise_tiles(scene, rng)
+    tiles = noise_tiles(scene.size_px, scene.camera.noise, rng)
     # fresh memory for every picture would cost more than all the drawing
     picture, levels = np.empty_like(stage.wall), np.empty(stage.wall.shape, np.uint8)
     for frame, time in enumerate(stage.times):

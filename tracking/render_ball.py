@@ -115,3 +115,17 @@ def _light(right: Image, down: Image, radius: float, look: Look) -> tuple[Image,
     shading = np.float32(look.shading)
     lit = cover * (1 - shading + shading * light)
     return cover, lit, cover * mirror * (np.float32(0.35) * shading)
+
+
+def darken(image: Image, centre: ArrayLike, spread: tuple[float, float], depth: float) -> None:
+    """Darken a Gaussian spot (standard deviations across and down, px) in place."""
+    if depth < 0.02:
+        return
+    windows, weights = [], []
+    for middle, sigma, size in zip(np.asarray(centre), spread, image.shape[1::-1], strict=True):
+        start = min(max(int(middle - 2.7 * sigma), 0), size)
+        stop = min(max(int(middle + 2.7 * sigma) + 1, start), size)
+        windows.append(slice(start, stop))
+        weights.append(np.exp(-(((np.arange(start, stop) - middle) / sigma) ** 2) / 2).astype(np.float32))
+    (columns, rows), (across, down) = windows, weights
+    image[rows, columns] *= 1 - np.float32(depth) * np.outer(down, across)[..., np.newaxis]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tracking.flight import Floats
-from tracking.render_ball import Image, Look, render_ball
+from tracking.render_ball import Image, Look, darken, render_ball
 from tracking.render_hand import SKINS, Hand, Part, draw_part, hand_places, make_grip, make_hand
 from tracking.render_motion import Drop, heights, play
 from tracking.render_scene import DropScene
@@ -167,23 +167,10 @@ def _draw_shadows(picture: Image, ball: BallTrack, frame: int) -> None:
     place, foot, radius = ball.middles[frame], ball.feet[frame], ball.radius
     edge = min(max(math.ceil(foot[1]), 0), picture.shape[0])
     wall, plate = picture[:edge], picture[edge:]
-    _darken(wall, place + np.array([1.2, 1.4]) * radius, (0.8 * radius, 0.8 * radius), 0.13)
+    darken(wall, place + np.array([1.2, 1.4]) * radius, (0.8 * radius, 0.8 * radius), 0.13)
     lift = max(float(foot[1] - place[1]) / radius - 1, 0)
     spread = (0.6 + 0.3 * lift) * radius, 0.16 * radius
-    _darken(plate, foot - np.array([0, edge - 0.12 * radius]), spread, 0.55 / (1 + lift) ** 2)
-    mirrored = np.array([place[0], 2 * foot[1] - place[1] - edge])
-    render_ball(plate, mirrored, radius, Look(colour=ball.look.colour, shading=0.6, opacity=MIRROR))
-
-
-def _darken(image: Image, centre: Floats, spread: tuple[float, float], depth: float) -> None:
-    """Darken a Gaussian spot (standard deviations across and down, px) in place."""
-    if depth < 0.02:
-        return
-    windows, weights = [], []
-    for middle, sigma, size in zip(centre, spread, image.shape[1::-1], strict=True):
-        start = min(max(int(middle - 2.7 * sigma), 0), size)
-        stop = min(max(int(middle + 2.7 * sigma) + 1, start), size)
-        windows.append(slice(start, stop))
-        weights.append(np.exp(-(((np.arange(start, stop) - middle) / sigma) ** 2) / 2).astype(np.float32))
-    (columns, rows), (across, down) = windows, weights
-    image[rows, columns] *= 1 - np.float32(depth) * np.outer(down, across)[..., np.newaxis]
+    darken(plate, foot - np.array([0, edge - 0.12 * radius]), spread, 0.55 / (1 + lift) ** 2)
+    # upside down, with its light: drawn on the plate's rows from the bottom up
+    mirrored = np.array([place[0], len(plate) - 1 - (2 * foot[1] - place[1] - edge)])
+    render_ball(plate[::-1], mirrored, radius, Look(colour=ball.look.colour, opacity=MIRROR))

@@ -80,11 +80,13 @@ def _draw_plate(wall: Image, scene: DropScene, rng: np.random.Generator) -> None
     wall[-3:] *= 0.7
 
 
-def noise_tiles(scene: DropScene, rng: np.random.Generator) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+def noise_tiles(
+    size: tuple[int, int], level: float, rng: np.random.Generator
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Sensor noise to add and to subtract, larger than the picture by `TILE_MARGIN` each way."""
-    width, height = scene.size_px
+    width, height = size
     shape = (height + TILE_MARGIN, width + TILE_MARGIN, 3)
-    noise = np.rint(scene.camera.noise * rng.standard_normal(shape, dtype=np.float32))
+    noise = np.rint(level * rng.standard_normal(shape, dtype=np.float32))
     return np.maximum(noise, 0).astype(np.uint8), np.maximum(-noise, 0).astype(np.uint8)
 
 
