@@ -47,7 +47,7 @@ def write_video(
             if count == 1:
                 stream.height, stream.width = picture.shape[:2]
             yuv = cv2.cvtColor(picture, cv2.COLOR_BGR2YUV_I420)
-            frame = av.VideoFrame.from_ndarray(np.asarray(yuv), format="yuv420p")
+            frame = av.VideoFrame.from_ndarray(np.asarray(yuv, np.uint8), format="yuv420p")
             frame.pts, frame.time_base = count - 1, 1 / rate
             container.mux(stream.encode(frame))
         container.mux(stream.encode())

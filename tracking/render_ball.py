@@ -16,7 +16,7 @@ With this width and a smooth step the samples alias least: a flat ball's centroi
 0.002 px, against 0.02 px with a linear step over one pixel."""
 LIGHT = np.array([-0.45, -0.65, 0.61], dtype=np.float32)
 """Unit vector towards the lamp: x right, y down, z to the camera; from the upper left."""
-HALFWAY = (LIGHT + np.float32([0, 0, 1])) / np.linalg.norm(LIGHT + np.float32([0, 0, 1]))
+HALFWAY = np.array([*LIGHT[:2], LIGHT[2] + 1], np.float32) / np.sqrt(2 * (1 + LIGHT[2]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +86,7 @@ def render_ball(image: Image, centres: ArrayLike, radius: float, look: Look) -> 
     cover, lit, glare = (field.mean(axis=0)[..., np.newaxis] for field in _light(right, down, radius, look))
     patch = image[rows, columns]
     patch *= 1 - look.opacity * cover
-    patch += look.opacity * (lit * np.float32(look.colour) + 255 * glare)
+    patch += look.opacity * (lit * np.array(look.colour, np.float32) + 255 * glare)
     np.minimum(patch, 255, out=patch)
 
 

@@ -109,9 +109,9 @@ def _draw_limb(points: list[Joint], skin: Colour, rng: np.random.Generator) -> P
     relief = cv2.GaussianBlur(np.minimum(depth, 0.9 * widest), (0, 0), 2.0)
     slope = cv2.Sobel(relief, cv2.CV_32F, 1, 0) + 1.4 * cv2.Sobel(relief, cv2.CV_32F, 0, 1)
     light = 0.88 + 0.028 * np.clip(slope, -8, 8) + 0.02 * clouds(rng, (int(columns), int(rows)), (13, 5))
-    cover = cv2.GaussianBlur(mask, (0, 0), 0.7).astype(np.float32) / 255
+    cover = np.asarray(cv2.GaussianBlur(mask, (0, 0), 0.7) / 255, np.float32)
     return Part(
-        picture=light[..., np.newaxis] * np.float32(skin),
+        picture=light[..., np.newaxis] * np.array(skin, np.float32),
         cover=cover,
         corner=(int(corner[0]), int(corner[1])),
     )

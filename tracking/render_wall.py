@@ -35,7 +35,7 @@ def clouds(rng: np.random.Generator, size: tuple[int, int], cells: tuple[int, ..
 def paint_wall(scene: DropScene, rng: np.random.Generator) -> Image:
     """Wall, ruler and plate as a picture of grey levels, shape (rows, columns, 3)."""
     width, height = scene.size_px
-    colour = np.float32(WALLS[int(rng.integers(len(WALLS)))])
+    colour = np.array(WALLS[int(rng.integers(len(WALLS)))], np.float32)
     light = 1 + 0.035 * clouds(rng, (width, height), (90, 34, 11, 4))
     across, down = np.linspace(-1, 1, width, dtype=np.float32), np.linspace(-1, 1, height, dtype=np.float32)
     slope = rng.uniform(-0.10, 0.10, 2)
@@ -55,7 +55,7 @@ def _draw_ruler(wall: Image, scene: DropScene, rng: np.random.Generator) -> None
     scale = scene.camera.metres_per_pixel
     left = int(width * (0.12 if rng.random() < 0.5 else 0.80))
     strip = wall[: scene.floor_row, left : left + 26]
-    strip[:] = np.float32([170, 205, 214]) * (rng.uniform(0.72, 0.95) * strip.mean() / 130)
+    strip[:] = np.array([170, 205, 214], np.float32) * (rng.uniform(0.72, 0.95) * strip.mean() / 130)
     ink = np.zeros(strip.shape[:2], np.uint8)
     for number in range(1, int(scene.floor_row * scale / MARK)):
         row = scene.floor_row - 0.5 - number * MARK / scale
@@ -74,9 +74,9 @@ def _draw_plate(wall: Image, scene: DropScene, rng: np.random.Generator) -> None
     top = scene.floor_row
     rows = wall.shape[0] - top
     mirrored = wall[top - rows : top][::-1]
-    colour = np.float32([96, 84, 70]) * rng.uniform(0.8, 1.15)
+    colour = np.array([96, 84, 70], np.float32) * rng.uniform(0.8, 1.15)
     wall[top:] = 0.62 * colour + 0.25 * cv2.GaussianBlur(mirrored, (0, 0), 2.0)
-    wall[top : top + 2] += np.float32([26, 26, 24])
+    wall[top : top + 2] += np.array([26, 26, 24], np.float32)
     wall[-3:] *= 0.7
 
 
