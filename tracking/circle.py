@@ -19,6 +19,9 @@ STEP_PX = 0.5  # along a ray
 PEAK_PX = 2.0  # a sharp rim is this wide to each side of its steepest place
 FLANK = 0.25  # gradients below this share of the steepest are shading or texture, not rim
 MINIMUM_STEEPNESS = 2.0  # grey levels a step: less is no edge
+TUKEY = 4.685  # standard deviations at which a point no longer counts
+MAXIMUM_ITERATIONS = 12
+SETTLED_PX = 2e-3
 MINIMUM_ARC = np.deg2rad(120)
 MINIMUM_INLIERS = 0.4
 _ANGLES = np.arange(RAYS) * (2 * np.pi / RAYS)
@@ -144,29 +147,29 @@ def _robust_circle(
     points: FloatArray, guess: tuple[float, float, float], *, free_radius: bool
 ) -> tuple[FloatArray, float, FloatArray, FloatArray] | None:
     """Fit a circle by Gauss-Newton with Tukey weights: centre, radius, weights, covariance."""
-    centre, radius = np.array(guess[:2]), guess[2]
-    weights = np.ones(len(points))
-    covariance = np.eye(2 + free_radius)
-    for iteration in range(15):
-        offset = points - centre
-        distance = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
-        residual = distance - radius
-        scale = max(1.4826 * float(np.median(np.abs(residual))), 0.05)
-        weights = np.clip(1 - (residual / (4.685 * scale)) ** 2, 0, None) ** 2
-        jacobian = offset / distance[:, None]
-        if free_radius:
-            jacobian = np.column_stack((jacobian, np.ones(len(points))))
-        normal = jacobian.T @ (weights[:, None] * jacobian)
-        if not np.linalg.det(normal) > 1e-6:
+    circle = np.array(guess)
+    free = 3 if free_radius else 2
+    slope = np.ones((len(points), 3))
+    for _ in range(MAXIMUM_ITERATIONS):
+        offset = points - circle[:2]
+        distance = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-9)
+        residual = distance - circle[2]
+        apart = np.abs(residual)
+        scale = max(1.4826 * float(np.partition(apart, len(apart) // 2)[len(apart) // 2]), 0.05)
+        weights = np.maximum(1 - (residual / (TUKEY * scale)) ** 2, 0.0) ** 2
+        slope[:, :2] = offset / distance[:, None]
+        weighted = slope[:, :free] * weights[:, None]
+        normal = weighted.T @ slope[:, :free]
+        try:
+            step = np.linalg.solve(normal, weighted.T @ residual)
+        except np.linalg.LinAlgError:
             return None
-        step = np.linalg.solve(normal, jacobian.T @ (weights * residual))
-        centre = centre + step[:2]
-        radius = radius + float(step[2]) if free_radius else radius
-        freedom = max(float(weights.sum()) - len(step), 1.0)
-        covariance = np.linalg.inv(normal) * float(weights @ residual**2) / freedom
-        if np.abs(step).max() < 1e-4 and iteration >= 3:
+        circle[:free] += step
+        if np.abs(step).max() < SETTLED_PX:
             break
-    return centre, radius, weights, covariance
+    freedom = max(float(weights.sum()) - free, 1.0)
+    covariance = np.linalg.pinv(normal) * float(weights @ residual**2) / freedom
+    return circle[:2], float(circle[2]), weights, covariance
 
 
 def _arc(angles: FloatArray) -> float:

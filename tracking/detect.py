@@ -79,10 +79,10 @@ def find_blobs(image: Image, background: Background) -> list[Blob]:
     mask = cv2.morphologyEx((apart > background.threshold).astype(np.uint8), cv2.MORPH_CLOSE, CLOSING)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     blobs = []
-    for label in range(1, count):
+    smallest = stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].min(axis=1)
+    large = (smallest >= MINIMUM_DIAMETER_PX) & (stats[:, cv2.CC_STAT_AREA] >= MINIMUM_DIAMETER_PX**2 / 2)
+    for label in np.flatnonzero(large[1:count]) + 1:
         left, top, width, height, area = (int(v) for v in stats[label])
-        if min(width, height) < MINIMUM_DIAMETER_PX or area < MINIMUM_DIAMETER_PX**2 / 2:
-            continue
         window = (slice(top, top + height), slice(left, left + width))
         levels = np.where(labels[window] == label, apart[window], 0)
         contrast = float(np.percentile(levels[levels > 0], 90))

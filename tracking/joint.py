@@ -71,7 +71,8 @@ class JointFit:
 def fit_meeting(meeting: Meeting, start: FloatArray, free: list[P], *, robust: bool = False) -> JointFit:
     """Fit the `free` parameters of a meeting, the others held at `start`.
 
-    The covariance is widened where the frames scatter more than their rims tell, never narrowed.
+    The covariance is widened where the frames scatter more than their rims tell, and where neighbouring
+    frames err alike (compression and background texture do that); it is never narrowed.
     """
 
     def residuals(values: FloatArray) -> FloatArray:
@@ -88,11 +89,22 @@ def fit_meeting(meeting: Meeting, start: FloatArray, free: list[P], *, robust: b
     )
     parameters = start.copy()
     parameters[free] = fit.x
-    excess = max(1.0, 2 * float(fit.cost) / max(meeting.frames - len(free), 1))
+    excess = max(1.0, 2 * float(fit.cost) / max(meeting.frames - len(free), 1)) * _memory(meeting, parameters)
     covariance = np.full((len(P), len(P)), np.nan)
     covariance[np.ix_(free, free)] = np.linalg.pinv(fit.jac.T @ fit.jac) * excess
     distance = np.concatenate([side.height - heights(side, parameters) for side in meeting.sides])
     return JointFit(parameters=parameters, covariance=covariance, residual=float(np.sqrt(np.mean(distance**2))))
+
+
+def _memory(meeting: Meeting, parameters: FloatArray) -> float:
+    """How many times fewer independent frames there are, from the correlation of neighbours: (1+r)/(1-r)."""
+    products, squares = 0.0, 0.0
+    for side in meeting.sides:
+        distance = (side.height - heights(side, parameters)) / side.sd
+        products += float(distance[1:] @ distance[:-1])
+        squares += float(distance @ distance)
+    correlation = min(max(products / squares, 0.0), 0.9) if squares > 0 else 0.0
+    return (1 + correlation) / (1 - correlation)
 
 
 def heights(side: Side, parameters: FloatArray) -> FloatArray:

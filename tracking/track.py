@@ -1,6 +1,6 @@
 """Images → one `Track` per ball, in pixels."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +11,13 @@ from tracking.circle import Circle, Image, Rim, find_rim, fit_circle, locate_cir
 from tracking.detect import Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
-from tracking.video import Recording, read_frames
+from tracking.video import Frame, Recording, read_frames
 
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
+KEPT_BYTES = 200_000_000
+RADIUS_FRAMES = 15  # pictures from which an unknown radius is measured
 SHARP = 0.12  # motion blur below this share of the radius
 MARGIN_PX = 2.5
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
@@ -77,12 +79,15 @@ def track_balls(recording: Recording, *, radius: float | None = None, lower: flo
         If no round thing moves through the picture.
     """
     background = make_background(recording.samples)
-    candidates = [find_blobs(frame.image, background) for frame in read_frames(recording)]
+    frames = _replay(recording)
+    candidates = [find_blobs(frame.image, background) for frame in frames()]
+    known = radius is not None
     path, radius = _find_path(recording, candidates, radius)
+    radius = radius if known else _measure_radius(frames(), path, radius)
     upper: list[_Sighting] = []
     rest: list[_Sighting] = []
     below = None if lower is None else _place_below(path, radius, lower)
-    for frame, blob in zip(read_frames(recording), path, strict=True):
+    for frame, blob in zip(frames(), path, strict=True):
         if blob is not None:
             blur = abs(blob.height - blob.width)
             guess = (blob.x, blob.y, radius)
@@ -93,6 +98,14 @@ def track_balls(recording: Recording, *, radius: float | None = None, lower: flo
             below = _next_guess(rest, below, frame.index)
     tracks = [_as_track("upper", upper, recording)]
     return [*tracks, _as_track("lower", rest, recording)] if lower is not None else tracks
+
+
+def _replay(recording: Recording) -> Callable[[], Iterable[Frame]]:
+    """Give the frames as often as asked: kept in memory if they are few, decoded again if they are many."""
+    if recording.bytes > KEPT_BYTES:
+        return lambda: read_frames(recording)
+    kept = list(read_frames(recording))
+    return lambda: kept
 
 
 def _find_path(
@@ -109,6 +122,29 @@ def _find_path(
         f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against a "
         "background of another colour, whole and in focus, and check --ball-diameter and the scale"
     )
+
+
+def _measure_radius(frames: Iterable[Frame], path: Sequence[Blob | None], guess: float) -> float:
+    """Measure the radius on some sharp pictures; patches cut at half contrast told it a little too small."""
+    blurs = [np.inf if blob is None else abs(blob.height - blob.width) for blob in path]
+    sharpest = set(np.argsort(blurs)[:RADIUS_FRAMES].tolist())
+    radii = [
+        _settled_radius(frame.image, (blob.x, blob.y, guess))
+        for number, (frame, blob) in enumerate(zip(frames, path, strict=True))
+        if number in sharpest and blob is not None
+    ]
+    found = [radius for radius in radii if radius is not None]
+    return float(np.median(found)) if found else guess
+
+
+def _settled_radius(image: Image, guess: tuple[float, float, float]) -> float | None:
+    """Fit again and again from the circle just found, until the guess no longer matters."""
+    for _ in range(5):
+        circle = locate_circle(image, guess, reach=0.2 * guess[2] + MARGIN_PX, free_radius=True)
+        if circle is None:
+            return None
+        guess = (circle.x, circle.y, circle.radius)
+    return guess[2]
 
 
 def _place_below(path: Sequence[Blob | None], radius: float, lower: float) -> tuple[float, float, float]:

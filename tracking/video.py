@@ -62,6 +62,11 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     @property
+    def bytes(self) -> int:
+        """Memory that all genuine frames take together."""
+        return int(self.genuine.sum()) * self.samples[0].nbytes
+
+    @property
     def frame_interval(self) -> float:
         """Median time between genuine frames, s."""
         return float(np.median(np.diff(self.times[self.genuine])))
@@ -179,10 +184,19 @@ def _upright(picture: av.VideoFrame) -> Image:
 
 def _thumbnail(picture: av.VideoFrame) -> FloatArray:
     """Average the brightness over blocks of 8 x 8 pixels."""
-    grey = picture.to_ndarray(format="gray")
+    grey = _brightness(picture)
     height, width = (size // 8 * 8 for size in grey.shape)
-    blocks = grey[:height, :width].reshape(height // 8, 8, width // 8, 8)
-    return np.asarray(blocks.mean(axis=(1, 3)), dtype=np.float64)
+    rows = np.add.reduceat(grey[:height, :width], np.arange(0, height, 8), axis=0, dtype=np.uint32)
+    return np.asarray(np.add.reduceat(rows, np.arange(0, width, 8), axis=1) / 64.0)
+
+
+def _brightness(picture: av.VideoFrame) -> Image:
+    """Take the brightness of a picture, straight from the decoder's own plane where there is one."""
+    if not picture.format.name.startswith(("yuv4", "yuvj4", "nv12")) or picture.format.components[0].bits != 8:
+        return picture.to_ndarray(format="gray")
+    plane = picture.planes[0]
+    lines = np.frombuffer(plane, dtype=np.uint8).reshape(-1, plane.line_size)
+    return lines[: picture.height, : picture.width]
 
 
 def _change(before: FloatArray, after: FloatArray) -> float:

@@ -1,0 +1,231 @@
+"""Recordings → trials.csv: the one place that joins tracking and calibrate."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from joblib import Parallel, delayed
+
+from calibrate.files import write_whole
+from calibrate.trials import check_trials, write_trials
+from experiments.experiment import Body, Trial
+from tracking.errors import RecordingError
+from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
+from tracking.scale import (
+    Scale,
+    local_scale,
+    scale_from_ball,
+    scale_from_corners,
+    scale_from_metres_per_pixel,
+    scale_from_points,
+    to_metres,
+)
+from tracking.track import Track, track_balls
+from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
+from tracking.video import Recording, open_recording
+
+GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
+SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
+USUAL_RATES = (25, 30, 50, 60, 100, 120, 240, 300, 480, 600, 960, 1000)
+
+
+@dataclass(slots=True, kw_only=True)
+class Measured:
+    """What became of one trial: rows for the trial table, tracks in metres, remarks for the person."""
+
+    trial: Trial
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    tracks: list[Track] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+def process(trials: Sequence[Trial], out: Path, *, workers: int) -> Iterator[Measured]:
+    """Measure all trials, yield each as it is done (in input order), then write `out`/trials.csv.
+
+    Parameters
+    ----------
+    trials : the recordings
+    out : folder for trials.csv and tracks/NAME.csv; made if missing
+    workers : processes that work side by side
+    """
+    table = []
+    parallel = Parallel(n_jobs=min(workers, len(trials)), return_as="generator")
+    for measured in parallel(delayed(measure)(trial) for trial in trials):
+        if measured.tracks:
+            write_whole(out / "tracks" / f"{measured.trial.name}.csv", _track_table(measured.tracks))
+        table += measured.rows
+        yield measured
+    write_trials(check_trials(pd.DataFrame(table)), out / "trials.csv")
+
+
+def measure(trial: Trial) -> Measured:
+    """Measure one trial; whatever is wrong with it becomes a failed row that says why."""
+    measured = Measured(trial=trial)
+    try:
+        _measure_into(measured)
+    except (RecordingError, ValueError) as error:
+        measured.rows = [_failed(trial, str(error))]
+    except Exception as error:  # a fault of ours in one trial must not cost the others
+        measured.rows = [_failed(trial, f"unexpected {type(error).__name__}: {error}; please report it")]
+    return measured
+
+
+def _measure_into(measured: Measured) -> None:
+    """Track, scale and fit one recording."""
+    trial = measured.trial
+    if trial.kind not in ("plate", "held", "two"):
+        raise ValueError(f"{trial.video.name}: kind {trial.kind!r} cannot be measured yet; plate, held and two can")
+    recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
+    measured.remarks += recording.notes
+    upper, lower = trial.body("upper"), trial.body("lower")
+    given = _given_scale(trial, recording)
+    tracks = track_balls(recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial))
+    scale = given or _ball_scale(tracks[0], upper, trial)
+    measured.remarks.append(f"scale: {scale.source}")
+    measured.tracks = [to_metres(track, scale) for track in tracks]
+    flights = [_flight(body, track, measured) for body, track in zip((upper, lower), measured.tracks, strict=False)]
+    impacts = _impacts(trial, measured.tracks, flights)
+    measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
+
+
+def _given_scale(trial: Trial, recording: Recording) -> Scale | None:
+    """Scale that does not need the ball; None if the ball is to tell it."""
+    told = trial.camera.scale
+    if "metres_per_pixel" in told:
+        return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
+    if "points_px" in told:
+        return scale_from_points(*told["points_px"], float(told["distance"]))
+    if "corners_px" in told:
+        return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
+    return None
+
+
+def _ball_scale(track: Track, ball: Body, trial: Trial) -> Scale:
+    """Scale from the outline of the upper ball."""
+    if ball.diameter is None:
+        raise ValueError(
+            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or --metres-per-pixel"
+        )
+    return scale_from_ball(track, ball.diameter)
+
+
+def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> float | None:
+    """Radius of the ball in px, where scale and diameter tell it."""
+    if scale is None or ball.diameter is None:
+        return None
+    height, width = recording.samples[0].shape[:2]
+    metres_per_pixel = local_scale(scale, np.array([width / 2]), np.array([height / 2]))
+    return ball.diameter / 2 / float(metres_per_pixel[0])
+
+
+def _lower_ratio(trial: Trial) -> float | None:
+    """Radius of the lower ball over that of the upper one, for trials in which it moves."""
+    if trial.kind != "two":
+        return None
+    upper, lower = trial.body("upper").diameter, trial.body("lower").diameter
+    return lower / upper if upper and lower else 1.0
+
+
+def _flight(ball: Body, track: Track, measured: Measured) -> Flight:
+    """How a ball flies: through air if its mass is known."""
+    if ball.mass is None:
+        remark = f"the {track.ball} ball's mass is not told, so air is left out: a light ball's restitution reads low"
+        measured.remarks.append(remark)
+        return Flight(gravity=STANDARD_GRAVITY)
+    return flight_of_ball(ball.mass, ball.diameter / 2 if ball.diameter else track.radius, Air())
+
+
+def _impacts(trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[Impact]:
+    """Measure the impacts that the model speaks of: all bounces of one ball, the first of two."""
+    if trial.kind == "two":
+        impact = measure_two_ball_impact(tracks[0], tracks[1], flights)
+        impacts = [] if impact is None else [impact]
+    else:
+        impacts = measure_impacts(tracks[0], flights[0])
+    if not impacts:
+        raise RecordingError(
+            f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at least "
+            "five frames before and after the impact (a higher frame rate helps)"
+        )
+    return impacts
+
+
+def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dict[str, Any]:
+    """One row of the trial table."""
+    reason = _doubt(impact, recording)
+    row = _empty_row(trial) | {
+        "status": "suspect" if reason else "ok",
+        "reason": reason,
+        "impact": number,
+        "time": impact.time,
+        "gravity_check": impact.gravity_check,
+        "gravity_check_sd": impact.gravity_check_sd,
+        "sideways_before": impact.sideways[0],
+        "sideways_after": impact.sideways[1],
+        "frames_before": impact.frames[0],
+        "frames_after": impact.frames[1],
+        "residual": impact.residual,
+    }
+    names = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
+    for name, value, sd in zip(names, impact.velocities, impact.sd, strict=True):
+        row |= {name: value, f"{name}_sd": sd}
+    return row
+
+
+def _failed(trial: Trial, reason: str) -> dict[str, Any]:
+    """The row of a trial that could not be measured."""
+    return _empty_row(trial) | {"status": "failed", "reason": reason, "impact": 1}
+
+
+def _empty_row(trial: Trial) -> dict[str, Any]:
+    """What is known of a trial before it is measured."""
+    masses = (trial.body("upper").mass, trial.body("lower").mass if trial.kind != "plate" else None)
+    columns = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
+    velocities = {f"{name}{suffix}": None for name in columns for suffix in ("", "_sd")}
+    return {"trial": trial.name, "kind": trial.kind, "upper_mass": masses[0], "lower_mass": masses[1], **velocities}
+
+
+def _doubt(impact: Impact, recording: Recording) -> str:
+    """Why a person should look at this impact before believing it; empty if there is no reason."""
+    check, sd = impact.gravity_check, impact.gravity_check_sd
+    if abs(check - 1) > max(GRAVITY_TOLERANCE, 3 * sd):
+        return _wrong_gravity(check, recording)
+    sideways = abs(float(impact.sideways[1] - impact.sideways[0]))
+    if sideways > SIDEWAYS_TOLERANCE * abs(float(impact.velocities[1])):
+        return (
+            f"the ball rebounds sideways ({sideways:.2f} m/s), so the hit was not central; "
+            "drop it straight above the middle"
+        )
+    return ""
+
+
+def _wrong_gravity(check: float, recording: Recording) -> str:
+    """Say what the fitted gravity tells of the time base or the scale."""
+    fitted = f"fitted gravity is {check * STANDARD_GRAVITY:.2f} m/s²"
+    rate = recording.capture_fps / np.sqrt(check) if check > 0 else np.nan
+    usual = [fps for fps in USUAL_RATES if abs(rate / fps - 1) < 0.08]
+    if usual and abs(usual[0] / recording.capture_fps - 1) > 0.2:
+        return (
+            f"{fitted}: this looks like {usual[0]} fps stored as {recording.capture_fps:.4g}; "
+            f"use --capture-fps {usual[0]}"
+        )
+    return f"{fitted}: check the scale (--ball-diameter, --metres-per-pixel) and the rate (--capture-fps)"
+
+
+def _track_table(tracks: Sequence[Track]) -> str:
+    """One line a frame and ball, in metres."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["frame", "time", "ball", "x", "y", "x_sd", "y_sd", "radius"])
+    for track in tracks:
+        for frame, time, *numbers in zip(
+            track.frame, track.time, track.x, track.y, track.x_sd, track.y_sd, strict=True
+        ):
+            cells = [f"{number:.6g}" for number in (*numbers, track.radius)]
+            writer.writerow([int(frame), f"{time:.6f}", track.ball, *cells])
+    return text.getvalue()
