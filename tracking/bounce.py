@@ -50,7 +50,9 @@ def _release(track: Track) -> int:
     """First frame in which the ball has left the place where it was held."""
     turn = int(np.argmin(track.y[: max(2, _first_turn(track))]))
     held = float(track.y[: turn + 1].max())
-    fallen = np.flatnonzero(track.y[: turn + 1] < held - max(5 * float(np.median(track.y_sd)), 0.1 * track.radius))
+    fallen = np.flatnonzero(
+        track.y[: turn + 1] < held - max(5 * float(np.median(track.y_sd)), 0.1 * track.radius)
+    )
     resting = np.flatnonzero(track.y[: turn + 1] == held)
     fallen = fallen[fallen > resting[-1]]
     return int(fallen[0]) if fallen.size else 0

@@ -24,7 +24,7 @@ MAXIMUM_ITERATIONS = 12
 SETTLED_PX = 2e-3
 MINIMUM_ARC = np.deg2rad(120)
 MINIMUM_INLIERS = 0.4
-_ANGLES = np.arange(RAYS) * (2 * np.pi / RAYS)
+_ANGLES: FloatArray = np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 _DIRECTIONS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
 
 
@@ -44,14 +44,16 @@ class Circle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rim:
-    """Edge points seen on the rays around a guess: (n, 2) pixels, the rays' angles, contrast across the edge."""
+    """Edge points seen on rays around a guess: (n, 2) px; the rays' angles, rad; contrast, grey levels."""
 
     points: FloatArray
     angles: FloatArray
     contrast: float
 
 
-def find_rim(image: Image, guess: tuple[float, float, float], *, reach: float, blur: float = 0.0) -> Rim | None:
+def find_rim(
+    image: Image, guess: tuple[float, float, float], *, reach: float, blur: float = 0.0
+) -> Rim | None:
     """Look for the rim of a ball on rays from a guessed centre.
 
     Parameters

@@ -34,7 +34,8 @@ class Blob:
     """A connected patch that differs from the background (pixels, grey levels).
 
     `x`, `y` is the middle of its bounding box: a ball's shaded side may be as bright as the wall behind it
-    and leave a hole, which would draw a centroid away. `fill` is its area over that of the ellipse in its bounding box: 1 for a ball, sharp or smeared by motion.
+    and leave a hole, which would draw a centroid away. `fill` is its area over that of the ellipse in its
+    bounding box: 1 for a ball, sharp or smeared by motion.
     """
 
     x: float
@@ -54,7 +55,9 @@ class Blob:
 def make_background(samples: list[Image]) -> Background:
     """Take the median of pictures spread over the recording; what rests all the time stays in it."""
     image = np.median(np.stack(samples), axis=0).astype(np.uint8)
-    deviations = [np.median(np.abs(difference(sample, image))) for sample in samples[:: max(1, len(samples) // 6)]]
+    deviations = [
+        np.median(np.abs(difference(sample, image))) for sample in samples[:: max(1, len(samples) // 6)]
+    ]
     return Background(image=image, noise=1.4826 * float(np.median(deviations)))
 
 

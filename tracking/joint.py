@@ -93,7 +93,9 @@ def fit_meeting(meeting: Meeting, start: FloatArray, free: list[P], *, robust: b
     covariance = np.full((len(P), len(P)), np.nan)
     covariance[np.ix_(free, free)] = np.linalg.pinv(fit.jac.T @ fit.jac) * excess
     distance = np.concatenate([side.height - heights(side, parameters) for side in meeting.sides])
-    return JointFit(parameters=parameters, covariance=covariance, residual=float(np.sqrt(np.mean(distance**2))))
+    return JointFit(
+        parameters=parameters, covariance=covariance, residual=float(np.sqrt(np.mean(distance**2)))
+    )
 
 
 def _memory(meeting: Meeting, parameters: FloatArray) -> float:

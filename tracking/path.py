@@ -1,6 +1,7 @@
 """Which patch of each picture is the ball: one path through the candidates of all frames."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,7 +22,7 @@ def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
     Each round patch votes with its contrast times the way to the nearest patch like it in the next frame.
     """
     widths, votes = [], []
-    for now, after in zip(frames[:-1], frames[1:], strict=True):
+    for now, after in pairwise(frames):
         for blob in filter(_round, now):
             alike = [
                 np.hypot(blob.x - other.x, blob.y - other.y)

@@ -79,9 +79,10 @@ def scale_from_ball(track: Track, diameter: float) -> Scale:
 
 
 def scale_from_corners(corners: Sequence[Point], width: float, height: float) -> Scale:
-    """Take the scale from the four corners (px) of a rectangle of `width` x `height` m in the plane of motion.
+    """Take the scale from the four corners (px) of a rectangle of `width` x `height` m.
 
-    The corners go round: lower left, lower right, upper right, upper left; the first is the origin.
+    The rectangle lies in the plane of motion. The corners go round: lower left, lower right, upper right,
+    upper left; the first is the origin.
     """
     _require_positive("width", width)
     _require_positive("height", height)
@@ -89,7 +90,9 @@ def scale_from_corners(corners: Sequence[Point], width: float, height: float) ->
     if picture.shape != (4, 2):
         raise ValueError(f"corners_px must be four points [x, y], got an array of shape {picture.shape}")
     if not cv2.isContourConvex(picture.reshape(-1, 1, 2)):
-        raise ValueError("corners_px must go round a convex quadrilateral; two of them are swapped or in line")
+        raise ValueError(
+            "corners_px must go round a convex quadrilateral; two of them are swapped or in line"
+        )
     plane = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=np.float32)
     side = float(np.linalg.norm(np.diff(picture, axis=0), axis=1).min())
     return Scale(

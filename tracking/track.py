@@ -57,7 +57,9 @@ class _Sighting:
     blur: float
 
 
-def track_balls(recording: Recording, *, radius: float | None = None, lower: float | None = None) -> list[Track]:
+def track_balls(
+    recording: Recording, *, radius: float | None = None, lower: float | None = None
+) -> list[Track]:
     """Track the ball that falls, and the ball it falls on.
 
     Parameters
@@ -170,7 +172,10 @@ def _find_resting(image: Image, guess: tuple[float, float, float]) -> tuple[floa
 
 
 def _look(
-    sightings: list[_Sighting], image: Image, guess: tuple[float, float, float], when: tuple[int, float, float]
+    sightings: list[_Sighting],
+    image: Image,
+    guess: tuple[float, float, float],
+    when: tuple[int, float, float],
 ) -> None:
     """Fit twice, the second time from a good centre and in a narrow ring, and keep what was seen."""
     index, time, blur = when

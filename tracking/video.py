@@ -28,7 +28,7 @@ BACKGROUND_SAMPLES = 25
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """One picture: its number in the file, its time of capture in s, and its (height, width, 3) BGR levels."""
+    """One picture: its number in the file, its time of capture, s, and its (height, width, 3) BGR levels."""
 
     index: int
     time: float
@@ -192,7 +192,10 @@ def _thumbnail(picture: av.VideoFrame) -> FloatArray:
 
 def _brightness(picture: av.VideoFrame) -> Image:
     """Take the brightness of a picture, straight from the decoder's own plane where there is one."""
-    if not picture.format.name.startswith(("yuv4", "yuvj4", "nv12")) or picture.format.components[0].bits != 8:
+    if (
+        not picture.format.name.startswith(("yuv4", "yuvj4", "nv12"))
+        or picture.format.components[0].bits != 8
+    ):
         return picture.to_ndarray(format="gray")
     plane = picture.planes[0]
     lines = np.frombuffer(plane, dtype=np.uint8).reshape(-1, plane.line_size)
@@ -258,4 +261,6 @@ def _genuine(changes: FloatArray) -> tuple[npt.NDArray[np.bool_], list[str]]:
     count = int(repeats.sum())
     if count < max(3, 0.1 * len(changes)):  # at the top of a bounce two pictures may look alike by chance
         return np.ones(len(changes), dtype=bool), []
-    return ~repeats, [f"{count} of {len(changes)} frames store the picture before them again; they were left out"]
+    return ~repeats, [
+        f"{count} of {len(changes)} frames store the picture before them again; they were left out"
+    ]
