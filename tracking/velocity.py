@@ -149,7 +149,7 @@ def _side(track: Track, index: IndexArray, rule: tuple[P, P | None], flight: Fli
 def _measure(
     track: Track, bounce: Bounce, sides: list[Side], *, touching: float | None = None
 ) -> Impact | None:
-    """Fit one impact: first robustly, then without frames that lie off the flights, then with free gravity."""
+    """Fit one impact: first robustly, then without frames off the flights, then with free gravity."""
     if min(len(side.time) for side in sides) < FEWEST_FRAMES - 1:
         return None
     free = SINGLE if touching is None else DOUBLE
