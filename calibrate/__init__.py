@@ -1,1 +1,43 @@
-"""Room under construction."""
+"""From velocities to restitution and stiffness ratio, with uncertainty and a verdict.
+
+===================  =======================================================================
+`calibrate.trials`   the trial table: read, checked, written
+`calibrate.repeats`  repeats of one measurement, their mean and spread
+`calibrate.misfit`   how far model and measurements are apart
+`calibrate.profile`  the profile likelihood over the stiffness ratio and its intervals
+`calibrate.fit`      `fit_restitution` and `fit_stiffness_ratio`
+`calibrate.report`   how results print
+===================  =======================================================================
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from calibrate.rows import TrialTableError
+from calibrate.trials import check_trials, read_trials, write_trials
+
+if TYPE_CHECKING:
+    from calibrate.estimate import Calibration, Estimate, MassPair
+    from calibrate.fit import fit_restitution, fit_stiffness_ratio
+
+__all__ = [
+    "Calibration",
+    "Estimate",
+    "MassPair",
+    "TrialTableError",
+    "check_trials",
+    "fit_restitution",
+    "fit_stiffness_ratio",
+    "read_trials",
+    "write_trials",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the fitting machinery when it is first asked for, so that reading a table stays quick."""
+    if name in ("Calibration", "Estimate", "MassPair"):
+        import calibrate.estimate as home
+    elif name in ("fit_restitution", "fit_stiffness_ratio"):
+        import calibrate.fit as home  # type: ignore[no-redef]
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(home, name)

@@ -1,0 +1,155 @@
+"""Search for the restitutions that fit best at each of many fixed stiffness ratios, side by side.
+
+Chi-square jumps where the order of events changes, also over the restitutions. A search therefore goes
+downhill by damped Gauss-Newton while there is a slope to follow, and along a jump by compass search.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibrate.misfit import Misfit
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 8
+_ARRIVED = 1e-3  # a search has arrived when its next step promises less gain of chi-square than this
+_STUCK = 0.02  # a search stands at a jump when this much was promised and could not be had
+_OUT_OF_REACH = 100.0  # a search this far above the smallest chi-square is given up
+_NEAR = 12.0  # jumps are followed only by searches this close to the smallest chi-square
+_COMPASS = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trace:
+    """Best restitutions found at each stiffness ratio.
+
+    Attributes
+    ----------
+    log_ratio : ndarray (G,)
+        Natural logarithm of the stiffness ratio.
+    restitutions : ndarray (G, 2)
+        Ball-ball and ball-table.
+    chi_square : ndarray (G,)
+        At these parameters.
+    """
+
+    log_ratio: Array
+    restitutions: Array
+    chi_square: Array
+
+    def merged(self, other: "Trace") -> "Trace":
+        """Join two traces in rising order of the ratio."""
+        log_ratio = np.concatenate([self.log_ratio, other.log_ratio])
+        order = np.argsort(log_ratio, kind="stable")
+        return Trace(
+            log_ratio=log_ratio[order],
+            restitutions=np.concatenate([self.restitutions, other.restitutions])[order],
+            chi_square=np.concatenate([self.chi_square, other.chi_square])[order],
+        )
+
+
+def search(misfit: Misfit, log_ratio: Array) -> Trace:
+    """Descend, at every ratio, from the two best of a net of plausible restitutions."""
+    seeds = misfit.likely_restitutions()
+    net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
+    ranking = np.argsort(net.reshape(len(log_ratio), -1), axis=1)
+    return best_of([descend(misfit, log_ratio, seeds[ranking[:, place]]) for place in range(2)])
+
+
+def best_of(traces: Sequence[Trace]) -> Trace:
+    """Keep, at every ratio, the best of several searches over the same ratios."""
+    winner = np.argmin([trace.chi_square for trace in traces], axis=0)
+    rows = np.arange(len(winner))
+    return Trace(
+        log_ratio=traces[0].log_ratio,
+        restitutions=np.stack([trace.restitutions for trace in traces])[winner, rows],
+        chi_square=np.stack([trace.chi_square for trace in traces])[winner, rows],
+    )
+
+
+def descend(misfit: Misfit, log_ratio: Array, start: Array) -> Trace:
+    """Go downhill over the restitutions from a start at each of several fixed ratios.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        What to make small.
+    log_ratio : ndarray (G,)
+        Fixed, natural logarithm.
+    start : ndarray (G, 2)
+        Ball-ball and ball-table restitution; kept within [0, 1] throughout.
+
+    Returns
+    -------
+    Trace
+        Where each search ended. Those far above the best of them are given up on the way.
+    """
+    at = np.clip(start, 0.0, 1.0)
+    residuals = misfit.residuals(log_ratio, at)
+    damping, promised = np.full(len(at), 1e-3), np.zeros(len(at))
+    going = np.arange(len(at))
+    for _ in range(_ROUNDS):
+        slopes = jacobian(misfit, log_ratio[going], at[going], residuals[going])
+        step, promised[going] = _step(slopes, residuals[going], damping[going])
+        trial = np.clip(at[going] + step, 0.0, 1.0)
+        after = misfit.residuals(log_ratio[going], trial)
+        gain = _squared(residuals[going]) - _squared(after)
+        better = gain > 0
+        at[going[better]], residuals[going[better]] = trial[better], after[better]
+        damping[going] *= np.where(better, 0.1, 30.0)
+        moving = promised[going] > _ARRIVED
+        promised[going] -= np.maximum(gain, 0.0)
+        chi_square = _squared(residuals)
+        going = going[moving & (chi_square[going] < chi_square.min() + _OUT_OF_REACH)]
+        if not going.size:
+            break
+    trace = Trace(log_ratio=log_ratio, restitutions=at, chi_square=_squared(residuals))
+    return _along_jumps(misfit, trace, promised > _STUCK)
+
+
+def jacobian(misfit: Misfit, log_ratio: Array, restitutions: Array, residuals: Array) -> Array:
+    """Differentiate the residuals (N, R) by the restitutions; (N, R, 2), by differences towards 0.5."""
+    columns = []
+    for column in range(2):
+        moved = restitutions.copy()
+        moved[:, column] += np.where(restitutions[:, column] > 0.5, -1e-5, 1e-5)
+        change = misfit.residuals(log_ratio, moved) - residuals
+        columns.append(change / (moved - restitutions)[:, [column]])
+    return np.stack(columns, axis=2)
+
+
+def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array]:
+    """Levenberg-Marquardt step (N, 2) and the gain of chi-square (N,) the undamped one promises."""
+    normal = np.swapaxes(slopes, 1, 2) @ slopes + 1e-9 * np.eye(2)
+    downhill = -np.einsum("nri,nr->ni", slopes, residuals)
+    full = np.linalg.solve(normal, downhill[..., None])[..., 0]
+    damped = normal * (1 + damping[:, None, None] * np.eye(2))
+    return np.linalg.solve(damped, downhill[..., None])[..., 0], np.einsum("ni,ni->n", downhill, full)
+
+
+def _along_jumps(misfit: Misfit, trace: Trace, stuck: NDArray[np.bool_]) -> Trace:
+    """Compass search for the searches that stand at a jump, where there is no slope to follow."""
+    rows = np.flatnonzero(stuck & (trace.chi_square < trace.chi_square.min() + _NEAR))
+    if not rows.size:
+        return trace
+    at, lowest = trace.restitutions[rows], trace.chi_square[rows]
+    log_ratio = np.repeat(trace.log_ratio[rows], len(_COMPASS))
+    radius = np.full((len(rows), 1, 1), 0.004)
+    for _ in range(_ROUNDS):
+        tries = np.clip(at[:, None, :] + radius * _COMPASS, 0.0, 1.0)
+        chi_square = misfit.chi_square(log_ratio, tries.reshape(-1, 2)).reshape(len(rows), -1)
+        choice = np.argmin(chi_square, axis=1)
+        better = chi_square.min(axis=1) < lowest
+        at = np.where(better[:, None], tries[np.arange(len(rows)), choice], at)
+        lowest = np.minimum(lowest, chi_square.min(axis=1))
+        radius *= np.where(better, 1.5, 0.4)[:, None, None]
+    restitutions, chi_square = trace.restitutions.copy(), trace.chi_square.copy()
+    restitutions[rows], chi_square[rows] = at, lowest
+    return Trace(log_ratio=trace.log_ratio, restitutions=restitutions, chi_square=chi_square)
+
+
+def _squared(residuals: Array) -> Array:
+    return np.asarray(np.sum(residuals**2, axis=1))

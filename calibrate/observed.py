@@ -1,0 +1,167 @@
+"""From rows of the trial table to the ratios the model predicts, repeats condensed and outliers set aside."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from calibrate.repeats import Repeats, repeats_of
+from calibrate.rows import TrialTableError
+
+Array = NDArray[np.float64]
+
+_SAME_MASS_RATIO = 0.01  # mass ratios this close (relative) count as one mass pair
+_OUTLIER = 0.01  # chance that a harmless set of repeats loses a trial
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observed:
+    """Repeats of one kind of trial and the names of those that do not belong to them.
+
+    Attributes
+    ----------
+    repeats : Repeats
+        Without the outliers.
+    trials : ndarray (J,)
+        Number of trials in each group, outliers left out.
+    outliers : tuple of str
+        Names of trials that stand apart from their repeats.
+    mass_ratios : ndarray (J,)
+        Upper over lower mass of each group; empty for restitutions.
+    """
+
+    repeats: Repeats
+    trials: NDArray[np.int64]
+    outliers: tuple[str, ...]
+    mass_ratios: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """What a table of trials holds: drops on a held ball, on the plate, and of two balls; None where none."""
+
+    held: Observed | None
+    plate: Observed | None
+    two: Observed | None
+
+
+def found_in(trials: pd.DataFrame) -> Found:
+    """Condense every kind of trial a table holds.
+
+    Parameters
+    ----------
+    trials : pandas.DataFrame
+        As `check_trials` returns it.
+
+    Raises
+    ------
+    TrialTableError
+        If no trial of kind plate, held or two is usable.
+    """
+    found = Found(
+        held=observed_restitution(trials, "held"),
+        plate=observed_restitution(trials, "plate"),
+        two=observed_rebounds(trials),
+    )
+    if found.held is None and found.plate is None and found.two is None:
+        raise TrialTableError("no usable trial of kind plate, held or two")
+    return found
+
+
+def observed_restitution(trials: pd.DataFrame, kind: str) -> Observed | None:
+    """Restitution from drops on the plate or on a held ball; None if there are none.
+
+    Parameters
+    ----------
+    trials : pandas.DataFrame
+        As `check_trials` returns it.
+    kind : str
+        ``plate`` or ``held``.
+    """
+    rows = _usable(trials, kind)
+    if rows.empty:
+        return None
+    ratios, stated = _speed_ratios(rows, ["upper_rebound_velocity"])
+    return _condensed(rows, ratios, stated, np.zeros(len(rows), dtype=np.int64))
+
+
+def observed_rebounds(trials: pd.DataFrame) -> Observed | None:
+    """Rebound velocities over approach speed of each mass pair's first impacts; None if there are none.
+
+    Parameters
+    ----------
+    trials : pandas.DataFrame
+        As `check_trials` returns it.
+    """
+    rows = usable_two_ball_trials(trials)
+    if rows.empty:
+        return None
+    ratios, stated = _speed_ratios(rows, ["upper_rebound_velocity", "lower_rebound_velocity"])
+    return _condensed(rows, ratios, stated, mass_ratio_groups(rows))
+
+
+def usable_two_ball_trials(trials: pd.DataFrame) -> pd.DataFrame:
+    """First impacts of the two-ball trials that are ok; later impacts are no simultaneous collisions."""
+    return _usable(trials, "two").query("impact == 1")
+
+
+def _usable(trials: pd.DataFrame, kind: str) -> pd.DataFrame:
+    return trials[(trials["kind"] == kind) & (trials["status"] == "ok")]
+
+
+def _speed_ratios(rows: pd.DataFrame, columns: list[str]) -> tuple[Array, Array]:
+    """Rebound velocities over approach speed (N, p) and their stated covariance (N, p, p).
+
+    The approach speed's uncertainty moves all ratios of a trial together; a missing one counts as zero.
+    """
+    speed = -rows["approach_velocity"].to_numpy()
+    ratios = rows[columns].to_numpy() / speed[:, None]
+    own = rows[[f"{column}_sd" for column in columns]].to_numpy() / speed[:, None]
+    common = np.nan_to_num(rows["approach_velocity_sd"].to_numpy()) / speed
+    shared = ratios * common[:, None]
+    return ratios, np.stack([np.diag(variance) for variance in own**2]) + shared[:, :, None] * shared[
+        :, None, :
+    ]
+
+
+def mass_ratio_groups(rows: pd.DataFrame) -> NDArray[np.int64]:
+    """Number the mass pairs 0 … J-1 in rising order of upper over lower mass, one number for each row."""
+    ratio = _mass_ratio(rows)
+    order = np.argsort(ratio)
+    steps = np.diff(np.log(ratio[order]), prepend=np.log(ratio[order[0]]))
+    groups = np.empty(len(rows), dtype=np.int64)
+    groups[order] = np.cumsum(steps > _SAME_MASS_RATIO)
+    return groups
+
+
+def _mass_ratio(rows: pd.DataFrame) -> Array:
+    return np.asarray(rows["upper_mass"] / rows["lower_mass"], dtype=float)
+
+
+def _condensed(rows: pd.DataFrame, ratios: Array, stated: Array, groups: NDArray[np.int64]) -> Observed:
+    names = rows["trial"].to_numpy()
+    kept = np.arange(len(rows))
+    outliers: list[str] = []
+    while True:
+        repeats = repeats_of(ratios[kept], stated[kept], groups[kept])
+        worst = _outlier(repeats)
+        if worst is None:
+            break
+        outliers.append(str(names[kept[worst]]))
+        kept = np.delete(kept, worst)
+    counts = np.bincount(groups[kept])
+    masses = np.bincount(groups[kept], weights=_mass_ratio(rows)[kept]) / counts
+    return Observed(repeats=repeats, trials=counts, outliers=tuple(outliers), mass_ratios=masses)
+
+
+def _outlier(repeats: Repeats) -> int | None:
+    """Find the trial farthest from its repeats if chance hardly puts any so far (Wilks' outlier test)."""
+    freedom, channels = repeats.degrees_of_freedom, repeats.means.shape[1]
+    if not freedom > channels or not np.isfinite(freedom):
+        return None
+    share = np.minimum(repeats.deviations**2 / freedom, 1 - 1e-12)
+    farness = share / (1 - share) * (freedom - channels) / channels
+    chance = stats.f.sf(farness.max(), channels, freedom - channels) * len(farness)
+    return int(np.argmax(farness)) if chance < _OUTLIER else None

@@ -1,0 +1,183 @@
+"""The profile likelihood over the stiffness ratio: chi-square with the restitutions refitted at every ratio.
+
+One least-squares call will not do: chi-square has many local minima over the ratio and jumps where the order
+of events changes. So every ratio of a grid gets its own search over the restitutions, every basin is refined,
+and the confidence set is whatever lies below the threshold: a union of intervals.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from calibrate.basins import Basin, refined_basins
+from calibrate.descent import Trace, best_of, descend, jacobian, search
+from calibrate.intervals import Interval, joined
+from calibrate.misfit import Misfit
+
+Array = NDArray[np.float64]
+
+LEVELS = (0.68, 0.95)
+RATIO_LIMITS = (1e-3, 1e3)
+_GRID_POINTS = 100
+_WORTH_A_LOOK = 12.0  # how far above the smallest chi-square the profile is still followed closely
+_EDGE_PRECISION = 2e-3  # of an interval's edge, relative
+_SAME_INTERVAL = 0.02  # intervals closer than this (relative) are one: no experiment tells them apart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """Chi-square over the stiffness ratio.
+
+    Attributes
+    ----------
+    trace : Trace
+        Best restitutions and chi-square at each ratio, closely spaced where chi-square is small.
+    basins : tuple of Basin
+        Local minima, best first.
+    """
+
+    trace: Trace
+    basins: tuple[Basin, ...]
+
+    def intervals(self, level: float) -> tuple[Interval, ...]:
+        """Stiffness ratios not excluded at a confidence level, as a union of intervals."""
+        ratio, inside = np.exp(self.trace.log_ratio), self.inside(level)
+        walled = np.concatenate([[False], inside, [False]])
+        starts = ratio[inside & ~walled[:-2]].tolist()
+        ends = ratio[inside & ~walled[2:]].tolist()
+        logs = joined(
+            [(np.log(low), np.log(high)) for low, high in zip(starts, ends, strict=True)], _SAME_INTERVAL
+        )
+        return tuple((float(np.exp(low)), float(np.exp(high))) for low, high in logs)
+
+    def inside(self, level: float) -> NDArray[np.bool_]:
+        """Tell which points of the trace a confidence level does not exclude, (G,)."""
+        return np.asarray(self.trace.chi_square <= self.trace.chi_square.min() + threshold(level))
+
+
+def threshold(level: float) -> float:
+    """Rise of chi-square that excludes one parameter's value at a confidence level.
+
+    Examples
+    --------
+    >>> round(threshold(0.95), 3)
+    3.841
+    """
+    return float(stats.chi2.ppf(level, 1))
+
+
+def trace_profile(misfit: Misfit) -> Profile:
+    """Compute the profile from 1e-3 to 1e3, finer where it matters.
+
+    Parameters
+    ----------
+    misfit : Misfit
+        Everything measured.
+
+    Returns
+    -------
+    Profile
+        With the edges of its 68 % and 95 % sets located to two parts in a thousand.
+    """
+    trace = search(misfit, _grid())
+    trace = _ask_neighbours(misfit, trace)
+    for _ in range(2):
+        trace = _finer(misfit, trace, _worth_a_look(trace))
+    basins = refined_basins(misfit, trace, _WORTH_A_LOOK)
+    trace = trace.merged(_as_trace(basins))
+    for level in LEVELS:
+        trace = _with_edges(misfit, trace, threshold(level))
+    return Profile(trace=trace, basins=tuple(basins))
+
+
+def propagate(
+    misfit: Misfit, profile: Profile, level: float, quantity: Callable[[Array, Array], Array]
+) -> tuple[Array, Array]:
+    """Confidence intervals of anything computed from the parameters.
+
+    At each ratio inside the set the restitutions may still stray as far as the rest of the threshold allows;
+    how far that moves the quantity is taken linearly.
+
+    Parameters
+    ----------
+    misfit, profile
+        The fit.
+    level : float
+        Of confidence.
+    quantity : callable
+        Maps log ratios (N,) and restitutions (N, 2) to values (N, Q).
+
+    Returns
+    -------
+    low, high : ndarray (N, Q)
+        One interval for each point of the trace inside the set; their union is the confidence set.
+    """
+    inside = profile.inside(level)
+    log_ratio, at = profile.trace.log_ratio[inside], profile.trace.restitutions[inside]
+    room = profile.trace.chi_square.min() + threshold(level) - profile.trace.chi_square[inside]
+    slopes = jacobian(misfit, log_ratio, at, misfit.residuals(log_ratio, at))
+    covariance = np.linalg.inv(np.swapaxes(slopes, 1, 2) @ slopes + 1e-9 * np.eye(2))
+    value = quantity(log_ratio, at)
+    gradient = _gradient(quantity, log_ratio, at, value)
+    reach = np.sqrt(np.einsum("nqi,nij,nqj->nq", gradient, covariance, gradient) * room[:, None])
+    return value - reach, value + reach
+
+
+def _gradient(quantity: Callable[[Array, Array], Array], log_ratio: Array, at: Array, value: Array) -> Array:
+    columns = []
+    for column in range(2):
+        moved = at.copy()
+        moved[:, column] += np.where(at[:, column] > 0.5, -1e-5, 1e-5)
+        columns.append((quantity(log_ratio, moved) - value) / (moved - at)[:, [column]])
+    return np.stack(columns, axis=2)
+
+
+def _grid() -> Array:
+    """Log ratios spaced evenly, and again evenly in the root and the inverse root of the ratio.
+
+    The number of vibrations the lower ball makes during the collision, and with it the number of basins,
+    grows with the root of the ratio (with the inverse root when the ball-ball contact is the stiffer one).
+    """
+    low, high = np.log(RATIO_LIMITS)
+    even_in_root = 2 * np.arcsinh(np.linspace(np.sinh(low / 2), np.sinh(high / 2), _GRID_POINTS))
+    return np.unique(np.concatenate([np.linspace(low, high, _GRID_POINTS), even_in_root]))
+
+
+def _ask_neighbours(misfit: Misfit, trace: Trace) -> Trace:
+    """Let every ratio try where its neighbours ended, so that a basin once found is followed to its end."""
+    neighbours = [np.roll(trace.restitutions, shift, axis=0) for shift in (1, -1)]
+    return best_of([trace, *(descend(misfit, trace.log_ratio, start) for start in neighbours)])
+
+
+def _worth_a_look(trace: Trace) -> NDArray[np.bool_]:
+    lower = np.minimum(trace.chi_square[:-1], trace.chi_square[1:])
+    return np.asarray(lower < trace.chi_square.min() + _WORTH_A_LOOK)
+
+
+def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
+    """Add the middle of the chosen gaps."""
+    left = np.flatnonzero(gaps)
+    middle = (trace.log_ratio[left] + trace.log_ratio[left + 1]) / 2
+    neighbours = [descend(misfit, middle, trace.restitutions[side]) for side in (left, left + 1)]
+    return trace.merged(best_of([*neighbours, search(misfit, middle)]))
+
+
+def _with_edges(misfit: Misfit, trace: Trace, rise: float) -> Trace:
+    """Locate by bisection where the profile crosses its threshold."""
+    while True:
+        inside = trace.chi_square <= trace.chi_square.min() + rise
+        crossing = (inside[1:] != inside[:-1]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION)
+        if not crossing.any():
+            return trace
+        trace = _finer(misfit, trace, crossing)
+
+
+def _as_trace(basins: list[Basin]) -> Trace:
+    return Trace(
+        log_ratio=np.log([basin.stiffness_ratio for basin in basins]),
+        restitutions=np.array([basin.restitutions for basin in basins]),
+        chi_square=np.array([basin.chi_square for basin in basins]),
+    )

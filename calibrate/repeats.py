@@ -1,0 +1,193 @@
+"""Repeated measurements of the same numbers: their means, their spread, how far a prediction is from them.
+
+By Theorem 4 neither a restitution nor the two velocity ratios of a mass pair depend on the drop height.
+Trials at any heights are therefore repeats of one measurement, and their spread around their own mean tells
+without any model how much trials really scatter. Few repeats know their spread badly; `Repeats.distances`
+allows for that exactly (Wilks' lambda with Rao's F, of which Student's t is the simplest case).
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+
+ASSUMED_SCATTER = 0.02
+"""Relative scatter of a trial where too few repeats show it; two heights read by eye give about that."""
+FINEST_SCATTER = 0.0005
+"""No speed ratio is believed to repeat better than this, however well a few trials happen to agree."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repeats:
+    """Means of J groups of repeated measurements of p numbers, with a spread common to all groups.
+
+    Attributes
+    ----------
+    means : ndarray (J, p)
+        Weighted mean of each group.
+    weights : ndarray (J,)
+        Number of trials in each group, less where some are worth less than the average trial.
+    spread : ndarray (p, p)
+        Covariance of one average trial.
+    degrees_of_freedom : float
+        How many repeats the spread rests on; infinite if it is known or assumed.
+    deviations : ndarray (N,)
+        Standardized distance of each trial from the mean of its group, in the order of the trials.
+    too_alike : bool
+        Whether they agreed better than they state (or than `FINEST_SCATTER`), so that the spread was raised.
+    """
+
+    means: Array
+    weights: Array
+    spread: Array
+    degrees_of_freedom: float
+    deviations: Array = field(default_factory=lambda: np.empty(0))
+    too_alike: bool = False
+
+    def distances(self, predicted: ArrayLike) -> Array:
+        """Whiten the distance from predictions to the means.
+
+        Parameters
+        ----------
+        predicted : array_like (..., J, p)
+            What a model says the means should be.
+
+        Returns
+        -------
+        ndarray (..., J p)
+            Numbers whose sum of squares follows, for the true model, the chi-square law of J p degrees of
+            freedom exactly, however few the repeats (homogeneous normal scatter assumed).
+        """
+        off = np.asarray(predicted, dtype=float) - self.means
+        white = (
+            np.sqrt(self.weights)[:, None]
+            * np.linalg.solve(np.linalg.cholesky(self.spread), off[..., None])[..., 0]
+        )
+        flat = white.reshape(*white.shape[:-2], -1)
+        if not np.isfinite(self.degrees_of_freedom):
+            return flat
+        plain = np.sum(flat**2, axis=-1)
+        scale = np.sqrt(self._equivalent_chi_square(white) / np.maximum(plain, 1e-300))
+        return np.asarray(flat * scale[..., None])
+
+    def mean_sd(self, group: int = 0, channel: int = 0) -> float:
+        """Estimate the standard deviation of one mean; few repeats know it badly."""
+        return float(np.sqrt(self.spread[channel, channel] / self.weights[group]))
+
+    def interval(self, level: float) -> tuple[float, float]:
+        """Confidence interval of the first mean by Student's t."""
+        reach = stats.t.ppf(0.5 + level / 2, self.degrees_of_freedom) * self.mean_sd()
+        return float(self.means[0, 0] - reach), float(self.means[0, 0] + reach)
+
+    def _equivalent_chi_square(self, white: Array) -> Array:
+        groups, channels = self.means.shape
+        hypothesis = np.swapaxes(white, -1, -2) @ white / self.degrees_of_freedom
+        log_lambda = np.log(np.linalg.det(np.eye(channels) + hypothesis))
+        abscissa, ordinate = _small_sample_law(groups, channels, self.degrees_of_freedom)
+        beyond = np.maximum(log_lambda - abscissa[-1], 0.0)
+        slope = (ordinate[-1] - ordinate[-2]) / (abscissa[-1] - abscissa[-2])
+        return np.asarray(np.interp(log_lambda, abscissa, ordinate) + slope * beyond)
+
+
+def known(mean: float, sd: float) -> Repeats:
+    """One number known from elsewhere, with a normal uncertainty."""
+    return Repeats(
+        means=np.array([[mean]]), weights=np.ones(1), spread=np.array([[sd**2]]), degrees_of_freedom=np.inf
+    )
+
+
+def repeats_of(values: Array, stated: Array, groups: NDArray[np.int64]) -> Repeats:
+    """Condense repeated measurements.
+
+    Parameters
+    ----------
+    values : ndarray (N, p)
+        Measured numbers, p = 1 or 2, one row a trial.
+    stated : ndarray (N, p, p)
+        Covariance each trial states for itself; NaN where it states none.
+    groups : ndarray (N,)
+        0 … J-1, which trials repeat each other.
+
+    Returns
+    -------
+    Repeats
+        With fewer spare repeats than numbers the spread is what the trials state plus `ASSUMED_SCATTER` of
+        their values, and `degrees_of_freedom` is infinite.
+    """
+    count, channels = values.shape
+    freedom = count - len(np.unique(groups))
+    stated = _complete(stated)
+    weights = np.ones(count)
+    if freedom < channels:
+        spread = stated.mean(axis=0) + np.diag((ASSUMED_SCATTER * np.abs(values).mean(axis=0)) ** 2)
+        spread = _at_least(spread, np.full(channels, FINEST_SCATTER**2))
+        return _condensed(values, weights, groups, spread, np.inf)
+    rough = _pooled(values, weights, groups, freedom)
+    beyond = np.maximum(np.diagonal(rough) - np.diagonal(stated.mean(axis=0)), 0.0)
+    variances = beyond + np.diagonal(stated, axis1=1, axis2=2) + FINEST_SCATTER**2
+    weights = np.mean(variances.mean(axis=0) / variances, axis=1)
+    floor = np.maximum(
+        np.average(np.diagonal(stated, axis1=1, axis2=2), axis=0, weights=weights), FINEST_SCATTER**2
+    )
+    pooled = _pooled(values, weights, groups, freedom)
+    condensed = _condensed(values, weights, groups, _at_least(pooled, floor), float(freedom))
+    return replace(condensed, too_alike=bool((np.diagonal(pooled) < floor).any()))
+
+
+def _condensed(
+    values: Array, weights: Array, groups: NDArray[np.int64], spread: Array, freedom: float
+) -> Repeats:
+    means = _group_means(values, weights, groups)
+    off = np.linalg.solve(np.linalg.cholesky(spread), (values - means[groups]).T)
+    share = np.bincount(groups)[groups]
+    deviations = np.sqrt(np.sum(off**2, axis=0) * weights * share / np.maximum(share - 1, 1))
+    return Repeats(
+        means=means,
+        weights=np.asarray(np.bincount(groups, weights=weights), dtype=float),
+        spread=spread,
+        degrees_of_freedom=freedom,
+        deviations=deviations,
+    )
+
+
+def _group_means(values: Array, weights: Array, groups: NDArray[np.int64]) -> Array:
+    total = np.bincount(groups, weights=weights)
+    sums = [np.bincount(groups, weights=weights * channel) for channel in values.T]
+    return np.stack(sums, axis=1) / total[:, None]
+
+
+def _pooled(values: Array, weights: Array, groups: NDArray[np.int64], freedom: int) -> Array:
+    off = values - _group_means(values, weights, groups)[groups]
+    return np.asarray((off * weights[:, None]).T @ off / freedom)
+
+
+def _complete(stated: Array) -> Array:
+    """Trials that state no uncertainty are taken to be as good as the others on average."""
+    silent = np.asarray(np.isnan(stated).any(axis=(1, 2)))
+    average = stated[~silent].mean(axis=0) if not silent.all() else np.zeros(stated.shape[1:])
+    return np.where(silent[:, None, None], average, stated)
+
+
+def _at_least(spread: Array, floor: Array) -> Array:
+    """Raise variances to a floor; a correlation estimated from so little spread is not believed."""
+    variances = np.diagonal(spread)
+    if np.all(variances >= floor):
+        return spread
+    scale = np.sqrt(np.maximum(floor / np.maximum(variances, 1e-300), 1.0))
+    raised = spread * np.outer(scale, scale)
+    return np.diag(np.maximum(np.diagonal(raised), floor))
+
+
+@lru_cache(maxsize=64)
+def _small_sample_law(groups: int, channels: int, freedom: float) -> tuple[Array, Array]:
+    """Tabulate the chi-square as improbable as each -log(Wilks' lambda): Rao's F, exact for p = 1 and 2."""
+    abscissa = np.linspace(0.0, 8.0, 800) ** 2
+    root = np.expm1(abscissa / channels)
+    errors = freedom - channels + 1
+    tail = stats.f.sf(root * errors / groups, channels * groups, channels * errors)
+    believable = tail > 1e-250
+    return abscissa[believable], stats.chi2.isf(tail[believable], channels * groups)
