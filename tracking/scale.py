@@ -60,17 +60,29 @@ def scale_from_metres_per_pixel(metres_per_pixel: float, *, relative_sd: float =
 
 
 def scale_from_points(first: Point, second: Point, distance: float) -> Scale:
-    """Take the scale from two points in the picture (px) that are `distance` (m) apart, e.g. on a ruler."""
+    """Take the scale from two points in the picture (px) that are `distance` (m) apart, e.g. on a ruler.
+
+    Raises
+    ------
+    ValueError
+        If the distance is not positive, or the points lie too close together to tell.
+    """
     _require_positive("distance", distance)
     length = float(np.hypot(second[0] - first[0], second[1] - first[1]))
-    if length < 10 * CLICK_PX:
+    if not length >= 10 * CLICK_PX:
         raise ValueError(f"points_px must lie at least {10 * CLICK_PX:g} px apart, got {length:.3g} px")
     scale = scale_from_metres_per_pixel(distance / length, relative_sd=np.sqrt(2) * CLICK_PX / length)
     return replace(scale, source=f"{distance:g} m between two points {length:.1f} px apart")
 
 
 def scale_from_ball(track: Track, diameter: float) -> Scale:
-    """Take the scale from the tracked outline of a ball of known diameter (m)."""
+    """Take the scale from the tracked outline (px) of a ball of known diameter (m).
+
+    Raises
+    ------
+    ValueError
+        If the diameter is not positive.
+    """
     _require_positive("ball_diameter", diameter)
     scale = scale_from_metres_per_pixel(
         diameter / (2 * track.radius), relative_sd=float(np.hypot(track.radius_sd, 0.1) / track.radius)
@@ -83,16 +95,23 @@ def scale_from_corners(corners: Sequence[Point], width: float, height: float) ->
 
     The rectangle lies in the plane of motion. The corners go round: lower left, lower right, upper right,
     upper left; the first is the origin.
+
+    Raises
+    ------
+    ValueError
+        If width or height is not positive, or the corners do not go round like that.
     """
     _require_positive("width", width)
     _require_positive("height", height)
-    picture = np.asarray(corners, dtype=np.float32)
+    picture = np.array(corners, dtype=np.float32)
     if picture.shape != (4, 2):
         raise ValueError(f"corners_px must be four points [x, y], got an array of shape {picture.shape}")
     if not cv2.isContourConvex(picture.reshape(-1, 1, 2)):
         raise ValueError(
             "corners_px must go round a convex quadrilateral; two of them are swapped or in line"
         )
+    if cv2.contourArea(picture, oriented=True) > 0:
+        raise ValueError("corners_px must go round as lower left, lower right, upper right, upper left")
     plane = np.array([[0, 0], [width, 0], [width, height], [0, height]], dtype=np.float32)
     side = float(np.linalg.norm(np.diff(picture, axis=0), axis=1).min())
     return Scale(
