@@ -95,6 +95,13 @@ def time_factor(times: FloatArray, tagged: float | None, given: float | None) ->
     return file_fps / fps, [f"captured at {fps:g} frames/s ({source}) but stored at {file_fps:.4g}"]
 
 
+def thumbnail(grey: npt.NDArray[np.uint8]) -> FloatArray:
+    """Average a (height, width) picture over blocks of 8 x 8 pixels."""
+    height, width = (size // 8 * 8 for size in grey.shape)
+    rows = np.add.reduceat(grey[:height, :width], np.arange(0, height, 8), axis=0, dtype=np.uint32)
+    return np.asarray(np.add.reduceat(rows, np.arange(0, width, 8), axis=1) / 64.0)
+
+
 def change(before: FloatArray, after: FloatArray) -> float:
     """Measure how much the most changed places of two pictures of one shape differ, grey levels."""
     difference = np.abs(after - before).ravel()

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.signal import find_peaks
 
 from tracking.circle import Circle, Image, Rim, find_rim, fit_circle, locate_circle
-from tracking.detect import Blob, find_blobs, make_background
+from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
 from tracking.video import Frame, Recording, read_frames
@@ -80,6 +80,8 @@ def track_balls(
     RecordingError
         If no round thing moves through the picture.
     """
+    for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
+        _require_that_fits(recording, ball, size)
     background = make_background(recording.samples)
     frames = _replay(recording)
     candidates = [find_blobs(frame.image, background) for frame in frames()]
@@ -100,6 +102,16 @@ def track_balls(
             below = _next_guess(rest, below, frame.index)
     tracks = [_as_track("upper", upper, recording)]
     return [*tracks, _as_track("lower", rest, recording)] if lower is not None else tracks
+
+
+def _require_that_fits(recording: Recording, ball: str, radius: float | None) -> None:
+    """Refuse a ball larger than the picture, or too small to have an outline."""
+    widest = min(recording.samples[0].shape[:2])
+    if radius is not None and not MINIMUM_DIAMETER_PX <= 2 * radius <= widest:
+        raise RecordingError(
+            f"{recording.path.name}: the {ball}ball would be {2 * radius:.3g} px wide, but must be between "
+            f"{MINIMUM_DIAMETER_PX} and {widest} px; check its diameter and the scale"
+        )
 
 
 def _replay(recording: Recording) -> Callable[[], Iterable[Frame]]:

@@ -16,8 +16,8 @@ import av.error
 import numpy as np
 import numpy.typing as npt
 
+from tracking import stamps
 from tracking.errors import RecordingError
-from tracking.stamps import FASTEST_CAMERA, change, fill_stamps, find_genuine, tagged_fps, time_factor
 
 FloatArray = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -50,6 +50,8 @@ class Recording:
         At most 50 pictures spread over the recording, from which the background is made.
     capture_fps : float
         Pictures captured a second.
+    quarter_turns : int
+        Counter-clockwise turns that made the stored pictures upright, 0 to 3.
     notes : tuple of str
         What was found out or assumed, for the person who made the recording.
     """
@@ -59,6 +61,7 @@ class Recording:
     genuine: npt.NDArray[np.bool_]
     samples: list[Image]
     capture_fps: float
+    quarter_turns: int = 0
     notes: tuple[str, ...] = ()
 
     @property
@@ -90,8 +93,10 @@ def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Rec
     tracking.errors.RecordingError: drop-01.mp4: no such file; check the spelling and the folder
     """
     path = Path(path)
-    if capture_fps is not None and not 0 < capture_fps <= FASTEST_CAMERA:
-        raise ValueError(f"capture_fps must be positive and at most {FASTEST_CAMERA:g}, got {capture_fps:g}")
+    if capture_fps is not None and not 0 < capture_fps <= stamps.FASTEST_CAMERA:
+        raise ValueError(
+            f"capture_fps must be positive and at most {stamps.FASTEST_CAMERA:g}, got {capture_fps:g}"
+        )
     if os.path.isdir(path):
         raise RecordingError(f"{path}: is a folder; name the video in it")
     if not os.path.isfile(path):
@@ -102,15 +107,16 @@ def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Rec
             f"{path.name}: {len(scan.stamps)} frame(s) could be read, but a motion needs many; record the "
             "whole drop, or copy the file again from the camera"
         )
-    stamps, stamp_notes = fill_stamps(scan.stamps, path.name)
-    genuine, repeat_notes = find_genuine(np.asarray(scan.changes))
-    factor, rate_notes = time_factor(stamps[genuine], scan.tagged_fps, capture_fps)
+    times, stamp_notes = stamps.fill_stamps(scan.stamps, path.name)
+    genuine, repeat_notes = stamps.find_genuine(np.asarray(scan.changes))
+    factor, rate_notes = stamps.time_factor(times[genuine], scan.tagged_fps, capture_fps)
     return Recording(
         path=path,
-        times=stamps * factor,
+        times=times * factor,
         genuine=genuine,
         samples=scan.samples,
-        capture_fps=float(1 / np.median(np.diff(stamps[genuine] * factor))),
+        capture_fps=float(1 / np.median(np.diff(times[genuine] * factor))),
+        quarter_turns=scan.quarter_turns,
         notes=(*scan.notes, *stamp_notes, *rate_notes, *repeat_notes),
     )
 
@@ -136,6 +142,7 @@ class _Scan:
     samples: list[Image] = field(default_factory=list)
     sizes: set[tuple[int, int]] = field(default_factory=set)
     spacing: int = 1
+    quarter_turns: int = 0
     notes: list[str] = field(default_factory=list)
 
 
@@ -144,7 +151,7 @@ def _scan(path: Path) -> _Scan:
     with _container(path) as container:
         stream = container.streams.video[0]
         tags = {**container.metadata, **stream.metadata}
-        scan = _Scan(stretch=_stretch(container), tagged_fps=tagged_fps(tags))
+        scan = _Scan(stretch=_stretch(container), tagged_fps=stamps.tagged_fps(tags))
         damaged = False
         try:
             _collect(scan, container.decode(stream), path.name)
@@ -172,9 +179,10 @@ def _collect(scan: _Scan, pictures: Iterator[av.VideoFrame], name: str) -> None:
             raise RecordingError(
                 f"{name}: its picture changes size midway; convert it once with a video tool"
             )
-        after = _thumbnail(picture)
+        scan.quarter_turns = _quarter_turns(picture)
+        after = stamps.thumbnail(_brightness(picture))
         scan.stamps.append(picture.time)
-        scan.changes.append(np.inf if before is None else change(before, after))
+        scan.changes.append(np.inf if before is None else stamps.change(before, after))
         before = after
         if index % scan.spacing == 0:
             if len(scan.samples) == 2 * BACKGROUND_SAMPLES:
@@ -222,15 +230,12 @@ def _stretch(container: av.container.InputContainer) -> float:
 def _upright(picture: av.VideoFrame, stretch: float) -> Image:
     """Give the picture as a person sees it: square pixels, the file's rotation tag applied."""
     image = picture.to_ndarray(format="bgr24", width=round(picture.width * stretch), height=picture.height)
-    return np.ascontiguousarray(np.rot90(image, (picture.rotation // 90) % 4), dtype=np.uint8)
+    return np.ascontiguousarray(np.rot90(image, _quarter_turns(picture)), dtype=np.uint8)
 
 
-def _thumbnail(picture: av.VideoFrame) -> FloatArray:
-    """Average the brightness over blocks of 8 x 8 pixels."""
-    grey = _brightness(picture)
-    height, width = (size // 8 * 8 for size in grey.shape)
-    rows = np.add.reduceat(grey[:height, :width], np.arange(0, height, 8), axis=0, dtype=np.uint32)
-    return np.asarray(np.add.reduceat(rows, np.arange(0, width, 8), axis=1) / 64.0)
+def _quarter_turns(picture: av.VideoFrame) -> int:
+    """Counter-clockwise turns by 90° that a file asks for, 0 to 3."""
+    return round(picture.rotation / 90) % 4
 
 
 def _brightness(picture: av.VideoFrame) -> Image:
