@@ -12,8 +12,11 @@ import pandas as pd
 from joblib import Parallel, delayed
 
 from calibrate.files import write_whole
+from calibrate.rows import checked_row
 from calibrate.trials import check_trials, write_trials
-from experiments.experiment import Body, Trial
+from experiments.doubt import find_doubt
+from experiments.experiment import ExperimentError
+from experiments.trial import Body, Trial
 from tracking.errors import RecordingError
 from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
 from tracking.scale import (
@@ -25,13 +28,10 @@ from tracking.scale import (
     scale_from_points,
     to_metres,
 )
+from tracking.shutter import with_row_times
 from tracking.track import Track, track_balls
 from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
 from tracking.video import Recording, open_recording
-
-GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
-SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
-USUAL_RATES = (25, 30, 50, 60, 100, 120, 240, 300, 480, 600, 960, 1000)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -52,7 +52,18 @@ def process(trials: Sequence[Trial], out: Path, *, workers: int) -> Iterator[Mea
     trials : the recordings
     out : folder for trials.csv and tracks/NAME.csv; made if missing
     workers : processes that work side by side
+
+    Raises
+    ------
+    ExperimentError
+        If `workers` is below 1, or `out` cannot be made.
     """
+    if workers < 1:
+        raise ExperimentError(f"workers must be at least 1, got {workers}")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ExperimentError(f"{out}: cannot be made a folder for the results: {error.strerror}") from error
     table = []
     parallel = Parallel(n_jobs=min(workers, len(trials)), return_as="generator")
     for measured in parallel(delayed(measure)(trial) for trial in trials):
@@ -72,6 +83,7 @@ def measure(trial: Trial) -> Measured:
         measured.rows = [_failed(trial, str(error))]
     except Exception as error:  # a fault of ours in one trial must not cost the others
         measured.rows = [_failed(trial, f"unexpected {type(error).__name__}: {error}; please report it")]
+    measured.rows = [_judged(row) for row in measured.rows]
     return measured
 
 
@@ -79,16 +91,23 @@ def _measure_into(measured: Measured) -> None:
     """Track, scale and fit one recording."""
     trial = measured.trial
     if trial.kind not in ("plate", "held", "two"):
-        raise ValueError(f"{trial.video.name}: kind {trial.kind!r} cannot be measured yet; plate, held and two can")
+        raise ValueError(
+            f"{trial.video.name}: kind {trial.kind!r} cannot be measured yet; plate, held and two can"
+        )
     recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
     measured.remarks += recording.notes
     upper, lower = trial.body("upper"), trial.body("lower")
     given = _given_scale(trial, recording)
-    tracks = track_balls(recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial))
+    tracks = track_balls(
+        recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
+    )
     scale = given or _ball_scale(tracks[0], upper, trial)
     measured.remarks.append(f"scale: {scale.source}")
-    measured.tracks = [to_metres(track, scale) for track in tracks]
-    flights = [_flight(body, track, measured) for body, track in zip((upper, lower), measured.tracks, strict=False)]
+    timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
+    measured.tracks = [to_metres(track, scale) for track in timed]
+    flights = [
+        _flight(body, track, measured) for body, track in zip((upper, lower), measured.tracks, strict=False)
+    ]
     impacts = _impacts(trial, measured.tracks, flights)
     measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
 
@@ -99,7 +118,8 @@ def _given_scale(trial: Trial, recording: Recording) -> Scale | None:
     if "metres_per_pixel" in told:
         return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
     if "points_px" in told:
-        return scale_from_points(*told["points_px"], float(told["distance"]))
+        first, second = told["points_px"]
+        return scale_from_points(first, second, float(told["distance"]))
     if "corners_px" in told:
         return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
     return None
@@ -109,7 +129,8 @@ def _ball_scale(track: Track, ball: Body, trial: Trial) -> Scale:
     """Scale from the outline of the upper ball."""
     if ball.diameter is None:
         raise ValueError(
-            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or --metres-per-pixel"
+            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
+            "--metres-per-pixel"
         )
     return scale_from_ball(track, ball.diameter)
 
@@ -134,8 +155,10 @@ def _lower_ratio(trial: Trial) -> float | None:
 def _flight(ball: Body, track: Track, measured: Measured) -> Flight:
     """How a ball flies: through air if its mass is known."""
     if ball.mass is None:
-        remark = f"the {track.ball} ball's mass is not told, so air is left out: a light ball's restitution reads low"
-        measured.remarks.append(remark)
+        measured.remarks.append(
+            f"the {track.ball} ball's mass is not told, so air is left out: "
+            "a light ball's restitution reads low"
+        )
         return Flight(gravity=STANDARD_GRAVITY)
     return flight_of_ball(ball.mass, ball.diameter / 2 if ball.diameter else track.radius, Air())
 
@@ -149,15 +172,15 @@ def _impacts(trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight]) -
         impacts = measure_impacts(tracks[0], flights[0])
     if not impacts:
         raise RecordingError(
-            f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at least "
-            "five frames before and after the impact (a higher frame rate helps)"
+            f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at "
+            "least five frames before and after the impact (a higher frame rate helps)"
         )
     return impacts
 
 
 def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dict[str, Any]:
     """One row of the trial table."""
-    reason = _doubt(impact, recording)
+    reason = find_doubt(impact, recording.capture_fps)
     row = _empty_row(trial) | {
         "status": "suspect" if reason else "ok",
         "reason": reason,
@@ -177,44 +200,30 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
     return row
 
 
+def _judged(row: dict[str, Any]) -> dict[str, Any]:
+    """Hold a row against the rules of the trial table here, where the others do not depend on it."""
+    judged = checked_row(row, f"{row['trial']}, impact {row['impact']}")
+    reasons = dict.fromkeys(filter(None, (judged["reason"], row["reason"])))
+    return row | {"status": judged["status"], "reason": "; ".join(reasons)}
+
+
 def _failed(trial: Trial, reason: str) -> dict[str, Any]:
-    """The row of a trial that could not be measured."""
+    """Give the row of a trial that could not be measured."""
     return _empty_row(trial) | {"status": "failed", "reason": reason, "impact": 1}
 
 
 def _empty_row(trial: Trial) -> dict[str, Any]:
-    """What is known of a trial before it is measured."""
+    """Write down what is known of a trial before it is measured."""
     masses = (trial.body("upper").mass, trial.body("lower").mass if trial.kind != "plate" else None)
     columns = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
     velocities = {f"{name}{suffix}": None for name in columns for suffix in ("", "_sd")}
-    return {"trial": trial.name, "kind": trial.kind, "upper_mass": masses[0], "lower_mass": masses[1], **velocities}
-
-
-def _doubt(impact: Impact, recording: Recording) -> str:
-    """Why a person should look at this impact before believing it; empty if there is no reason."""
-    check, sd = impact.gravity_check, impact.gravity_check_sd
-    if abs(check - 1) > max(GRAVITY_TOLERANCE, 3 * sd):
-        return _wrong_gravity(check, recording)
-    sideways = abs(float(impact.sideways[1] - impact.sideways[0]))
-    if sideways > SIDEWAYS_TOLERANCE * abs(float(impact.velocities[1])):
-        return (
-            f"the ball rebounds sideways ({sideways:.2f} m/s), so the hit was not central; "
-            "drop it straight above the middle"
-        )
-    return ""
-
-
-def _wrong_gravity(check: float, recording: Recording) -> str:
-    """Say what the fitted gravity tells of the time base or the scale."""
-    fitted = f"fitted gravity is {check * STANDARD_GRAVITY:.2f} m/s²"
-    rate = recording.capture_fps / np.sqrt(check) if check > 0 else np.nan
-    usual = [fps for fps in USUAL_RATES if abs(rate / fps - 1) < 0.08]
-    if usual and abs(usual[0] / recording.capture_fps - 1) > 0.2:
-        return (
-            f"{fitted}: this looks like {usual[0]} fps stored as {recording.capture_fps:.4g}; "
-            f"use --capture-fps {usual[0]}"
-        )
-    return f"{fitted}: check the scale (--ball-diameter, --metres-per-pixel) and the rate (--capture-fps)"
+    return {
+        "trial": trial.name,
+        "kind": trial.kind,
+        "upper_mass": masses[0],
+        "lower_mass": masses[1],
+        **velocities,
+    }
 
 
 def _track_table(tracks: Sequence[Track]) -> str:
