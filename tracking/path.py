@@ -12,6 +12,10 @@ MISSING_COST = 6.0
 SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at half contrast)
 FILL_SPREAD = 0.15
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
+STILL_COST = 0.5  # a frame; what rests is rather a ball that waits, or its ghost in the background
+STILL = 0.02  # radii a frame
+JUMP = 2.0  # radii: a thing at rest that is this far away in the next frame was not the ball
+RESTING = 3  # frames in one place
 LONGEST_GAP = 12  # frames a path may skip
 LONGEST_STEP = 16.0  # radii a frame: what is further away is another thing
 
@@ -77,7 +81,7 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
                     came[index] = (number - gap, int(row))
         cost.append(total)
         origin.append(came)
-    return _walk_back(cost, origin)
+    return _without_ghosts(_walk_back(cost, origin), frames, radius)
 
 
 def _misfit(blob: Blob, radius: float) -> float:
@@ -93,7 +97,8 @@ def _step_costs(before: Sequence[Blob], after: Sequence[Blob], radius: float, ga
     across = np.subtract.outer([b.x for b in before], [b.x for b in after]) / (radius * gap)
     along = np.subtract.outer([b.y for b in before], [b.y for b in after]) / (radius * gap)
     fade = np.log(np.divide.outer([b.contrast for b in before], [b.contrast for b in after]))
-    cost = across**2 + 0.1 * np.abs(along) + fade**2
+    still = STILL_COST * (np.hypot(across, along) < STILL)
+    cost = across**2 + 0.1 * np.abs(along) + fade**2 + still
     return np.asarray(np.where(np.abs(along) * gap > LONGEST_STEP * min(gap, 3), np.inf, cost))
 
 
@@ -111,4 +116,16 @@ def _walk_back(cost: list[np.ndarray], origin: list[list[tuple[int, int] | None]
         number, index = here
         chosen[number] = index
         here = origin[number][index]
+    return chosen
+
+
+def _without_ghosts(chosen: list[int], frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
+    """Cut off what rests at either end of a path and is left by a jump: another ball, or a ghost."""
+    seen = [number for number, index in enumerate(chosen) if index != MISSING]
+    for order in (seen, seen[::-1]):
+        height = np.array([frames[number][chosen[number]].y for number in order])
+        rested = np.flatnonzero(np.abs(height - height[:1]) > radius / 2)
+        if rested.size and rested[0] >= RESTING and abs(height[rested[0]] - height[0]) > JUMP * radius:
+            for number in order[: rested[0]]:
+                chosen[number] = MISSING
     return chosen

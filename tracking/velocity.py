@@ -22,6 +22,7 @@ IndexArray = npt.NDArray[np.int64]
 GAP_SHARE_SD = 0.01  # how well the outlines tell the distance of two balls that touch
 LANDED = 0.3  # a hop has ended when the ball is down to this share of its greatest height
 REST_FRAMES = 60
+REST_SHARE_SD = 0.01  # how well a ball's height is known where it touches the plate, as a share of its radius
 
 SINGLE = [P.TIME, P.HEIGHT, P.APPROACH, P.REBOUND]
 DOUBLE = [*SINGLE, P.LOWER_HEIGHT, P.LOWER_REBOUND]
@@ -127,10 +128,24 @@ def _lower_sides(lower: Track, impact: float, flight: Flight) -> list[Side]:
     highest = np.maximum.accumulate(lift)
     landed = np.flatnonzero((lift < LANDED * highest) & (highest > 5 * np.median(lower.y_sd)))
     hop = after[: landed[0]] if landed.size else after
-    return [
-        _side(lower, before, (P.LOWER_HEIGHT, None), flight),
-        _side(lower, hop, (P.LOWER_HEIGHT, P.LOWER_REBOUND), flight),
-    ]
+    return [_rest(lower, before, flight), _side(lower, hop, (P.LOWER_HEIGHT, P.LOWER_REBOUND), flight)]
+
+
+def _rest(lower: Track, before: IndexArray, flight: Flight) -> Side:
+    """Height at which the lower ball rests, as one observation.
+
+    However many frames show it, it is no better known than a rim that touches the plate and its own mirror
+    image can be: its error is common to all of them.
+    """
+    height = np.median(lower.y[before], keepdims=True)
+    return Side(
+        time=lower.time[before[-1:]],
+        height=height,
+        sd=np.full_like(height, REST_SHARE_SD * lower.radius),
+        start=P.LOWER_HEIGHT,
+        velocity=None,
+        flight=flight,
+    )
 
 
 def _side(track: Track, index: IndexArray, rule: tuple[P, P | None], flight: Flight) -> Side:
@@ -150,14 +165,14 @@ def _measure(
     track: Track, bounce: Bounce, sides: list[Side], *, touching: float | None = None
 ) -> Impact | None:
     """Fit one impact: first robustly, then without frames off the flights, then with free gravity."""
-    if min(len(side.time) for side in sides) < FEWEST_FRAMES - 1:
+    if _too_few(sides):
         return None
     free = SINGLE if touching is None else DOUBLE
     meeting = Meeting(sides=tuple(sides), gap=touching, gap_sd=GAP_SHARE_SD * (touching or np.inf))
     start = _first_guess(track, bounce, sides)
     robust = fit_meeting(meeting, start, free, robust=True)
     meeting = without_outliers(meeting, robust.parameters)
-    if min(len(side.time) for side in meeting.sides) < FEWEST_FRAMES - 1:
+    if _too_few(meeting.sides):
         return None
     fit = fit_meeting(meeting, robust.parameters, free)
     falling = fit_meeting(meeting, fit.parameters, [*free, P.GRAVITY])
@@ -174,6 +189,11 @@ def _measure(
         frames=(len(meeting.sides[0].time), len(meeting.sides[1].time)),
         residual=fit.residual,
     )
+
+
+def _too_few(sides: Sequence[Side]) -> bool:
+    """Tell whether a flight has too few frames to be fitted; one look at a ball at rest is enough."""
+    return any(len(side.time) < (1 if side.velocity is None else FEWEST_FRAMES - 1) for side in sides)
 
 
 def _first_guess(track: Track, bounce: Bounce, sides: list[Side]) -> FloatArray:
