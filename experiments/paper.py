@@ -1,8 +1,8 @@
 """Every constant and printed result of the paper, each with its place. No other module repeats one.
 
-Y.-B. Jia, M. T. Mason, M. A. Erdmann, "A State Transition Diagram for Simultaneous Collisions with Application
-in Billiard Shooting", 2008. Numbers the paper only shows as a curve carry the name REFERENCE: two programs that
-share no code with this one agree on them. Misprints are listed in ``impact/MODEL.md``.
+Y.-B. Jia, M. T. Mason, M. A. Erdmann, "A State Transition Diagram for Simultaneous Collisions with
+Application in Billiard Shooting", 2008. Numbers the paper only shows as a curve carry the name REFERENCE: two
+programs that share no code with this one agree on them. Misprints are listed in ``impact/MODEL.md``.
 """
 
 from dataclasses import dataclass
