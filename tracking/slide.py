@@ -1,0 +1,184 @@
+"""The path of a struck ball, fitted as one: rest, sliding parabola, straight roll.
+
+Unknown are the place of rest, the moment of the strike, the launch velocity, the velocity that friction takes
+away while the ball slides (two sevenths of its slip over the cloth: direction and size), how long that takes,
+and the slow deceleration of rolling. Without sliding the last two but one mean nothing; without an end of
+sliding only their ratio, the deceleration, does.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from tracking.cloth import Cloth, cloth_position
+from tracking.joint import OUTLIER
+
+FloatArray = npt.NDArray[np.float64]
+
+ROLLING_RESISTANCE = 0.01
+"""Of billiard cloths 0.005 to 0.015; short paths hardly tell it, so it is expected here ± as much again."""
+LARGEST_RESISTANCE = 0.04
+SLIDE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 0.95)
+NO_FRICTION = 1e-9
+
+
+class Q(IntEnum):
+    """Places in the vector of parameters."""
+
+    X = 0
+    Y = 1
+    STRIKE = 2
+    VELOCITY_X = 3
+    VELOCITY_Y = 4
+    LOSS_X = 5
+    LOSS_Y = 6
+    SLIDING = 7
+    RESISTANCE = 8
+
+
+ROLLING_ONLY = [Q.X, Q.Y, Q.STRIKE, Q.VELOCITY_X, Q.VELOCITY_Y, Q.RESISTANCE]
+SLIDING_ONLY = [Q.X, Q.Y, Q.STRIKE, Q.VELOCITY_X, Q.VELOCITY_Y, Q.LOSS_X, Q.LOSS_Y]
+LINEAR = [Q.X, Q.Y, Q.VELOCITY_X, Q.VELOCITY_Y, Q.LOSS_X, Q.LOSS_Y]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """What the fit sees: (n,) times in s, (n, 2) places and their standard deviations, gravity in their unit."""
+
+    time: FloatArray
+    place: FloatArray
+    sd: FloatArray
+    gravity: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathFit:
+    """Fitted parameters (indexed by `Q`), their covariance (0 where held), misfit, RMS distance, frames used.
+
+    `chi_square` is in units of the scatter the frames really have.
+    """
+
+    parameters: FloatArray
+    covariance: FloatArray
+    chi_square: float
+    residual: float
+    used: npt.NDArray[np.bool_]
+
+
+def path(parameters: FloatArray, time: FloatArray, gravity: float) -> FloatArray:
+    """Places (n, 2) that the parameters predict."""
+    loss = parameters[[Q.LOSS_X, Q.LOSS_Y]]
+    friction = float(np.hypot(*loss)) / (gravity * max(float(parameters[Q.SLIDING]), NO_FRICTION))
+    cloth = Cloth(
+        friction=max(friction, NO_FRICTION),
+        rolling_resistance=max(float(parameters[Q.RESISTANCE]), 0.0),
+        gravity=gravity,
+    )
+    since = np.maximum(time - parameters[Q.STRIKE], 0.0)
+    velocity = parameters[[Q.VELOCITY_X, Q.VELOCITY_Y]]
+    return np.asarray(parameters[[Q.X, Q.Y]] + cloth_position(cloth, velocity, 3.5 * loss, since))
+
+
+def first_guess(seen: Seen, strike: float) -> FloatArray:
+    """Try several durations of sliding; for each the rest is a linear problem. Take the best."""
+    best, least = np.zeros(len(Q)), np.inf
+    total = float(seen.time[-1] - strike)
+    since = np.maximum(seen.time - strike, 0.0)
+    for share in SLIDE_SHARES:
+        sliding = share * total
+        during = np.minimum(since, sliding)
+        lost = -(during**2 / (2 * sliding) + since - during)
+        design = np.column_stack((np.ones_like(since), since, lost))
+        solution, *_ = np.linalg.lstsq(design, seen.place, rcond=None)
+        misfit = float(np.sum((design @ solution - seen.place) ** 2))
+        if misfit < least:
+            least = misfit
+            best[LINEAR] = solution.ravel()
+            best[Q.STRIKE], best[Q.SLIDING] = strike, sliding
+    best[Q.RESISTANCE] = ROLLING_RESISTANCE
+    return best
+
+
+def fit_path(seen: Seen, start: FloatArray, free: list[Q]) -> PathFit:
+    """Fit the `free` parameters robustly, drop the frames that lie off, and fit again.
+
+    The covariance is widened where the frames scatter more than their rims tell and where neighbouring frames
+    err alike; it is never narrowed.
+    """
+    everything = np.ones(len(seen.time), dtype=bool)
+    rough = _solve(seen, start, free, used=everything, robust=True)
+    distance = np.hypot(*((seen.place - path(rough, seen.time, seen.gravity)) / seen.sd).T)
+    used = distance < OUTLIER * max(1.0, 1.1774**-1 * float(np.median(distance)))
+    parameters = _solve(seen, rough, free, used=used, robust=False)
+    return _graded(seen, parameters, free, used)
+
+
+def _solve(
+    seen: Seen, start: FloatArray, free: list[Q], *, used: npt.NDArray[np.bool_], robust: bool
+) -> FloatArray:
+    """Least squares within what is possible: no negative resistance, no sliding beyond the last frame."""
+    longest = float(seen.time[-1] - seen.time[0])
+    lower, upper = np.full(len(Q), -np.inf), np.full(len(Q), np.inf)
+    lower[[Q.SLIDING, Q.RESISTANCE]], upper[Q.SLIDING], upper[Q.RESISTANCE] = 0, longest, LARGEST_RESISTANCE
+    fit = least_squares(
+        lambda values: _residuals(seen, _with(start, free, values), used),
+        np.clip(start[free], lower[free] + 1e-9, upper[free] - 1e-9),
+        bounds=(lower[free], upper[free]),
+        loss="soft_l1" if robust else "linear",
+        x_scale=np.maximum(np.abs(start[free]), 1e-3),
+        xtol=1e-11,
+    )
+    return _with(start, free, fit.x)
+
+
+def _with(start: FloatArray, free: list[Q], values: FloatArray) -> FloatArray:
+    """Put values into a copy of the parameters."""
+    parameters = start.copy()
+    parameters[free] = values
+    return parameters
+
+
+def _residuals(seen: Seen, parameters: FloatArray, used: npt.NDArray[np.bool_]) -> FloatArray:
+    """Distances from the path in standard deviations, and of the rolling resistance from what cloths have."""
+    apart = (seen.place[used] - path(parameters, seen.time[used], seen.gravity)) / seen.sd[used]
+    expected = (parameters[Q.RESISTANCE] - ROLLING_RESISTANCE) / ROLLING_RESISTANCE
+    return np.append(apart.ravel(), expected)
+
+
+def _graded(
+    seen: Seen, parameters: FloatArray, free: list[Q], used: npt.NDArray[np.bool_]
+) -> PathFit:
+    """Judge a fit by its residuals."""
+    residuals = _residuals(seen, parameters, used)
+    excess = max(1.0, float(residuals @ residuals) / max(len(residuals) - len(free), 1)) * _memory(residuals)
+    slope = np.empty((len(residuals), len(free)))
+    steps = 1e-6 * np.maximum(np.abs(parameters), 1e-3)
+    for column, place in enumerate(free):
+        step = np.zeros(len(Q))
+        step[place] = steps[place]
+        change = _residuals(seen, parameters + step, used) - _residuals(seen, parameters - step, used)
+        slope[:, column] = change / (2 * steps[place])
+    covariance = np.zeros((len(Q), len(Q)))
+    size = np.maximum(np.linalg.norm(slope, axis=0), 1e-300)
+    inverse = np.linalg.pinv((slope / size).T @ (slope / size), rcond=1e-12)
+    covariance[np.ix_(free, free)] = inverse / np.outer(size, size) * excess
+    distance = seen.place[used] - path(parameters, seen.time[used], seen.gravity)
+    return PathFit(
+        parameters=parameters,
+        covariance=covariance,
+        chi_square=float(residuals @ residuals),
+        residual=float(np.sqrt(np.mean(np.sum(distance**2, axis=1)))),
+        used=used,
+    )
+
+
+def _memory(residuals: FloatArray) -> float:
+    """How many times fewer independent frames there are, from the correlation of neighbours: (1+r)/(1-r)."""
+    apart = residuals[:-1].reshape(-1, 2)
+    squares = float(np.sum(apart**2))
+    correlation = float(np.sum(apart[1:] * apart[:-1])) / squares if squares > 0 else 0.0
+    correlation = min(max(correlation, 0.0), 0.9)
+    return (1 + correlation) / (1 - correlation)

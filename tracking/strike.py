@@ -1,0 +1,165 @@
+"""A cue shot seen from above or at an angle: find the ball that is struck and track it, and the cue's tip."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.errors import RecordingError
+from tracking.follow import Sighting, follow
+from tracking.movers import Mover, find_movers
+from tracking.outline import Outlines, trace_outlines
+from tracking.scale import Scale, to_metres
+from tracking.tip import track_tip
+from tracking.track import Track
+from tracking.video import Recording
+
+FloatArray = npt.NDArray[np.float64]
+
+MOST_MOVERS = 8
+STARTED = 0.25  # radii from its place of rest: the ball has been struck
+REST_FRAMES = 3
+SHARP = 0.03  # a ball's rim is located better than this share of its radius
+TOGETHER = 2.5  # frames within which two balls start together
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShotTrack:
+    """What is seen of a shot.
+
+    Attributes
+    ----------
+    ball : Track
+        The cue ball, from rest.
+    tip : Track or None
+        The tip of the cue on its way to the ball, where it is seen.
+    missing_tip : str
+        Why it is not.
+    lift : (n,) array
+        Apparent radius in each of the ball's frames over what its place on the plane asks for, less 1: a
+        ball that rises towards the camera looks larger.
+    """
+
+    ball: Track
+    tip: Track | None
+    missing_tip: str
+    lift: FloatArray
+
+
+def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None) -> ShotTrack:
+    """Track the ball at rest that starts to move first, and the cue's tip before.
+
+    Parameters
+    ----------
+    recording : as `open_recording` gives it
+    start_px : two floats, optional
+        Where the struck ball rests (x, y in px), if several start to move.
+
+    Returns
+    -------
+    ShotTrack
+        In pixels, y down.
+
+    Raises
+    ------
+    RecordingError
+        If no ball starts to move, if it moves already at the beginning, or if two start together.
+    """
+    balls = _moving_balls(recording)
+    name = recording.path.name
+    if not balls:
+        raise RecordingError(
+            f"{name}: no ball found that starts to move; film the cloth from above with the ball whole, in focus "
+            "and at least 10 px wide, and with more frames a second if it moves further than its width between two"
+        )
+    struck = {start: ball for ball in balls if (start := _start(ball)) is not None}
+    if not struck:
+        raise RecordingError(
+            f"{name}: no strike in the clip, the ball moves already in its first frame; start the recording "
+            "while the ball is at rest"
+        )
+    ball = struck[_choose(struck, recording, start_px)]
+    outlines = trace_outlines("cue ball", ball)
+    tip, reason = track_tip(recording, outlines.track, _started_frame(outlines))
+    return ShotTrack(
+        ball=outlines.track,
+        tip=tip,
+        missing_tip=reason,
+        lift=outlines.seen_radius / outlines.expected_radius - 1,
+    )
+
+
+def shot_to_metres(shot: ShotTrack, scale: Scale) -> ShotTrack:
+    """Give the tracks of a shot in metres, y up."""
+    tip = None if shot.tip is None else to_metres(shot.tip, scale)
+    return replace(shot, ball=to_metres(shot.ball, scale), tip=tip)
+
+
+def start_index(x: FloatArray, y: FloatArray, radius: float) -> int | None:
+    """Find the first frame in which a ball has left its place of rest; None if it does not begin at rest."""
+    rest = np.median(x[:REST_FRAMES]), np.median(y[:REST_FRAMES])
+    away = np.hypot(x - rest[0], y - rest[1]) > STARTED * radius
+    moved = np.flatnonzero(away)
+    if not moved.size or moved[0] < REST_FRAMES:
+        return None
+    return int(moved[0])
+
+
+def _moving_balls(recording: Recording) -> list[list[Sighting]]:
+    """Follow each round thing that moves, once."""
+    balls: list[list[Sighting]] = []
+    for mover in find_movers(recording)[:MOST_MOVERS]:
+        if not any(_same(mover, ball) for ball in balls):
+            ball = follow(recording, mover)
+            if len(ball) >= 2 * REST_FRAMES and _is_sharp(ball):
+                balls.append(ball)
+    return balls
+
+
+def _same(mover: Mover, ball: Sequence[Sighting]) -> bool:
+    """Tell whether a mover is a ball already followed."""
+    places = {sighting.frame: sighting.circle for sighting in ball}
+    shared = [
+        np.hypot(blob.x - places[frame].x, blob.y - places[frame].y) < 1.5 * places[frame].radius
+        for frame, blob in zip(mover.frames, mover.blobs, strict=True)
+        if frame in places
+    ]
+    return len(shared) > len(mover.frames) / 2 and float(np.mean(shared)) > 0.5
+
+
+def _is_sharp(ball: Sequence[Sighting]) -> bool:
+    """Tell a ball's rim from what a hand shows by chance."""
+    share = [max(s.circle.x_sd, s.circle.y_sd) / s.circle.radius for s in ball]
+    return float(np.median(share)) < SHARP
+
+
+def _start(ball: Sequence[Sighting]) -> int | None:
+    """Give the number of the frame in which a ball starts to move."""
+    x, y = np.array([(s.circle.x, s.circle.y) for s in ball]).T
+    index = start_index(x, y, ball[0].circle.radius)
+    return None if index is None else ball[index].frame
+
+
+def _choose(
+    struck: dict[int, list[Sighting]], recording: Recording, start_px: Sequence[float] | None
+) -> int:
+    """Give the start of the ball that moves first, or of the one that was named."""
+    places = {start: (ball[0].circle.x, ball[0].circle.y) for start, ball in struck.items()}
+    if start_px is not None:
+        return min(places, key=lambda start: np.hypot(places[start][0] - start_px[0], places[start][1] - start_px[1]))
+    first, *later = sorted(places)
+    if later and later[0] - first < TOGETHER:
+        at = " and ".join(f"({places[s][0]:.0f}, {places[s][1]:.0f})" for s in (first, later[0]))
+        raise RecordingError(
+            f"{recording.path.name}: two balls start to move together, at {at} px; say with start_px where the "
+            "struck one rests, or film one ball alone"
+        )
+    return first
+
+
+def _started_frame(outlines: Outlines) -> int:
+    """Give the number of the frame in which the traced ball has left its place."""
+    track = outlines.track
+    index = start_index(track.x, track.y, track.radius)
+    return int(track.frame[index if index is not None else 0])
