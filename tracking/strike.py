@@ -39,12 +39,15 @@ class ShotTrack:
     lift : (n,) array
         Apparent radius in each of the ball's frames over what its place on the plane asks for, less 1: a
         ball that rises towards the camera looks larger.
+    perspective : float
+        Change of the apparent radius that its way over the plane asks for, as a share.
     """
 
     ball: Track
     tip: Track | None
     missing_tip: str
     lift: FloatArray
+    perspective: float
 
 
 def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None) -> ShotTrack:
@@ -87,6 +90,7 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
         tip=tip,
         missing_tip=reason,
         lift=outlines.seen_radius / outlines.expected_radius - 1,
+        perspective=float(np.ptp(outlines.expected_radius)) / outlines.track.radius,
     )
 
 

@@ -1,0 +1,142 @@
+"""What the path of a struck ball tells of the strike, and what it does not.
+
+The velocity lost while sliding is two sevenths of the slip u of the lowest point over the cloth, and
+u = v + r z x w gives the spin: w_x = (u_y - v_y) / r, w_y = (v_x - u_x) / r (solid ball, y up).
+"""
+
+from dataclasses import dataclass, replace
+from enum import Enum, IntEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.slide import ROLLING_ONLY, SLIDING_ONLY, PathFit, Q, Seen, first_guess, fit_path, path
+
+FloatArray = npt.NDArray[np.float64]
+
+SLIDES = 16.0  # gain in chi-square that shows sliding (three parameters more)
+ROLLS = 9.0  # gain in chi-square that shows the end of sliding (one parameter more)
+USUAL_FRICTION = 0.2
+
+
+class Stage(Enum):
+    """Which part of the motion the recording shows; the value is what that leaves open."""
+
+    SLIDES_THEN_ROLLS = ""
+    ROLLS_AT_ONCE = "no sliding is seen, so the cloth's friction cannot be told; the spin is that of rolling"
+    SLIDES_THROUGHOUT = (
+        "the ball still slides when last seen, so its spin cannot be told; film a longer part of its way"
+    )
+
+
+class V(IntEnum):
+    """Places in the vector of values."""
+
+    VELOCITY_X = 0
+    VELOCITY_Y = 1
+    SPIN_X = 2
+    SPIN_Y = 3
+    FRICTION = 4
+    STRIKE = 5
+    ROLLING_TIME = 6
+    ROLLING_X = 7
+    ROLLING_Y = 8
+
+
+UNTOLD = {
+    Stage.SLIDES_THEN_ROLLS: [],
+    Stage.ROLLS_AT_ONCE: [V.FRICTION],
+    Stage.SLIDES_THROUGHOUT: [V.SPIN_X, V.SPIN_Y, V.ROLLING_TIME, V.ROLLING_X, V.ROLLING_Y],
+}
+SCALED = [V.VELOCITY_X, V.VELOCITY_Y, V.SPIN_X, V.SPIN_Y, V.FRICTION]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathValues:
+    """Values (indexed by `V`), their covariance (NaN where untold), the stage seen and the fit behind them."""
+
+    values: FloatArray
+    covariance: FloatArray
+    stage: Stage
+    fit: PathFit
+
+
+def read_path(seen: Seen, strike: float, radius: float, *, scale_sd: float = 0.0) -> PathValues:
+    """Fit the path and read from it what it tells.
+
+    Parameters
+    ----------
+    seen : Seen
+        Frames from rest to the end of the free motion, y up.
+    strike : float
+        First guess of the moment of the strike, s.
+    radius : float
+        Of the ball, in the unit of `seen`.
+    scale_sd : float
+        Relative standard uncertainty of that unit.
+    """
+    stage, fit = _best_stage(seen, first_guess(seen, strike))
+    values = _values(fit.parameters, seen.gravity, radius)
+    slope = _slopes(fit.parameters, seen.gravity, radius)
+    covariance = slope @ fit.covariance @ slope.T
+    if stage is Stage.ROLLS_AT_ONCE:  # a slide shorter than a frame would not be seen
+        hidden = USUAL_FRICTION * seen.gravity * float(np.median(np.diff(seen.time))) * 3.5 / radius
+        covariance[[V.SPIN_X, V.SPIN_Y], [V.SPIN_X, V.SPIN_Y]] += hidden**2
+    scaled = np.zeros(len(V))
+    scaled[SCALED] = values[SCALED] * scale_sd
+    covariance += np.outer(scaled, scaled)
+    untold = UNTOLD[stage]
+    values[untold] = np.nan
+    covariance[untold, :] = np.nan
+    covariance[:, untold] = np.nan
+    return PathValues(values=values, covariance=covariance, stage=stage, fit=fit)
+
+
+def _best_stage(seen: Seen, start: FloatArray) -> tuple[Stage, PathFit]:
+    """Take the fullest description that the path calls for."""
+    full = fit_path(seen, start, list(Q))
+    kept = replace(seen, time=seen.time[full.used], place=seen.place[full.used], sd=seen.sd[full.used])
+    scale = max(1.0, full.chi_square / max(2 * int(full.used.sum()) - len(Q), 1))
+    rolling = start.copy()
+    rolling[[Q.LOSS_X, Q.LOSS_Y]] = 0
+    rolls = fit_path(kept, rolling, ROLLING_ONLY)
+    if rolls.used.all() and (rolls.chi_square - full.chi_square) / scale < SLIDES:
+        return Stage.ROLLS_AT_ONCE, rolls
+    total = float(seen.time[-1] - full.parameters[Q.STRIKE])
+    sliding = full.parameters.copy()
+    sliding[[Q.LOSS_X, Q.LOSS_Y]] *= total / max(float(sliding[Q.SLIDING]), 1e-3)
+    sliding[Q.SLIDING] = 2 * total
+    sliding[[Q.LOSS_X, Q.LOSS_Y]] *= 2
+    slides = fit_path(kept, sliding, SLIDING_ONLY)
+    if slides.used.all() and (slides.chi_square - full.chi_square) / scale < ROLLS:
+        return Stage.SLIDES_THROUGHOUT, slides
+    return Stage.SLIDES_THEN_ROLLS, full
+
+
+def _values(parameters: FloatArray, gravity: float, radius: float) -> FloatArray:
+    """Turn the parameters of the path into what a player asks for."""
+    velocity, loss = parameters[[Q.VELOCITY_X, Q.VELOCITY_Y]], parameters[[Q.LOSS_X, Q.LOSS_Y]]
+    sliding = float(parameters[Q.SLIDING]) if np.any(loss) else 0.0
+    slip = 3.5 * loss
+    values = np.full(len(V), np.nan)
+    values[[V.VELOCITY_X, V.VELOCITY_Y]] = velocity
+    values[[V.SPIN_X, V.SPIN_Y]] = (slip[1] - velocity[1]) / radius, (velocity[0] - slip[0]) / radius
+    values[V.FRICTION] = float(np.hypot(*loss)) / (gravity * sliding) if sliding else np.nan
+    values[V.STRIKE] = parameters[Q.STRIKE]
+    values[V.ROLLING_TIME] = parameters[Q.STRIKE] + sliding
+    values[[V.ROLLING_X, V.ROLLING_Y]] = path(parameters, values[[V.ROLLING_TIME]], gravity)[0]
+    return values
+
+
+def _slopes(parameters: FloatArray, gravity: float, radius: float) -> FloatArray:
+    """Change of the values with the parameters, by central differences."""
+    columns = []
+    for place in Q:
+        step = np.zeros(len(Q))
+        step[place] = 1e-6 * max(abs(float(parameters[place])), 1e-3)
+        if place in (Q.LOSS_X, Q.LOSS_Y) and not np.any(parameters[[Q.LOSS_X, Q.LOSS_Y]]):
+            columns.append(np.zeros(len(V)))
+            continue
+        upper, lower = (_values(parameters + sign * step, gravity, radius) for sign in (1, -1))
+        columns.append((upper - lower) / (2 * step[place]))
+    return np.column_stack(columns)
