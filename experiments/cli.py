@@ -1,14 +1,18 @@
 """`impactlab`: thin verbs over the rooms. Each imports what it needs when it runs: help comes at once."""
 
 import functools
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
 
 import typer
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from calibrate.estimate import Calibration
+    from experiments.trial import Trial
 
 Parameters = ParamSpec("Parameters")
 
@@ -24,6 +28,7 @@ simulate = typer.Typer(help="Run one collision from numbers on the command line.
 app.add_typer(simulate, name="simulate")
 
 FIGURES = ("fig4", "fig5")
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
 Out = Annotated[Path, typer.Option(help="Folder to write to; made when missing.")]
 
 
@@ -48,6 +53,69 @@ def fail(sentence: str) -> None:
     raise typer.Exit(WRONG_USE)
 
 
+@app.command(epilog="Example: impactlab demo --out demo")
+@verb
+def demo(
+    out: Out = Path("demo"),
+    seed: Annotated[int, typer.Option(help="Another seed films another experiment.")] = 1,
+    workers: Annotated[int | None, typer.Option(help="Processes side by side; all cores without it.")] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Film an experiment with known truth, measure it, fit it, draw Fig. 5: fitted against truth."""
+    from experiments import console
+    from experiments.demo import Truth, film, fitted_against_truth, recordings
+    from experiments.experiment import read_experiment
+
+    truth = Truth()
+    films = film(out / "recordings", seed=seed, workers=workers or cores(), truth=truth)
+    for _ in console.progress(films, recordings(), "filming", quiet=quiet):
+        pass
+    measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet)
+    typer.echo("")
+    calibration = calibrated([out / "trials.csv"], out, {})
+    typer.echo("\n" + fitted_against_truth(calibration, truth))
+
+
+@app.command(
+    epilog="Example: impactlab process drops/ --kind plate --ball-diameter 0.040 --ball-mass 0.0027 --out out"
+)
+@verb
+def process(
+    sources: Annotated[
+        list[Path], typer.Argument(help="experiment.toml, videos, or folders of either.", metavar="SOURCE...")
+    ],
+    out: Out = Path("out"),
+    kind: Annotated[str | None, typer.Option(help="What bare videos show: plate, held or two.")] = None,
+    ball_diameter: Annotated[float | None, typer.Option(help="Of the balls in bare videos, m.")] = None,
+    ball_mass: Annotated[
+        float | None, typer.Option(help="Of the balls in bare videos, kg; without it air is left out.")
+    ] = None,
+    metres_per_pixel: Annotated[
+        float | None, typer.Option(help="Scale; else the ball's diameter tells it.")
+    ] = None,
+    capture_fps: Annotated[
+        float | None, typer.Option(help="Frames captured a second, if the file does not tell.")
+    ] = None,
+    readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
+    workers: Annotated[int | None, typer.Option(help="Processes side by side; all cores without it.")] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Measure recordings: velocities before and after each impact, into trials.csv and tracks/."""
+    from experiments.experiment import collect_trials
+    from experiments.trial import Body, Camera
+
+    ball = Body(mass=ball_mass, diameter=ball_diameter)
+    scale = {} if metres_per_pixel is None else {"metres_per_pixel": metres_per_pixel}
+    trials = collect_trials(
+        sources,
+        kind=kind,
+        bodies={"upper": ball, "lower": ball},
+        camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
+    )
+    if measure(trials, out, workers, quiet):
+        raise typer.Exit(SOME_FAILED)
+
+
 @app.command(epilog="Example: impactlab fit trials.csv --out results")
 @verb
 def fit(
@@ -64,22 +132,10 @@ def fit(
     ] = None,
 ) -> None:
     """Fit restitutions and stiffness ratio to trial tables; write fit.json, fig5 and profile."""
-    from calibrate.fit import fit_stiffness_ratio
     from calibrate.trials import read_trials
-    from experiments import fig5, profile_plot
-    from experiments.provenance import provenance
 
-    table = read_trials(trials)
-    origin = provenance(trials, {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table})
-    calibration = fit_stiffness_ratio(
-        table, exponent=exponent, ball_ball=ball_ball, ball_table=ball_table, provenance=origin
-    )
-    calibration.save(out / "fit.json")
-    if calibration.pairs:
-        fig5.main(out, table, calibration)
-        profile_plot.main(out, calibration)
-    typer.echo(str(calibration))
-    complain_of_failed(table)
+    calibrated(trials, out, {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table})
+    complain_of_failed(read_trials(trials))
 
 
 @app.command(epilog="Example: impactlab figures fig4 fig5 --out figures")
@@ -130,6 +186,45 @@ def drop(
     typer.echo(describe(curve))
     if plot:
         save_figure(draw(curve), plot)
+
+
+def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool) -> int:
+    """Process trials, print a line an impact; give the number of trials that failed."""
+    from experiments import console
+    from experiments.process import process as process_trials
+
+    typer.echo(console.HEADER)
+    failed = 0
+    done = process_trials(trials, out, workers=workers or cores())
+    for measured in console.progress(done, len(trials), "measuring", quiet=quiet):
+        for line in console.impact_lines(measured):
+            typer.echo(line)
+        for line in () if quiet else console.complaints(measured):
+            typer.echo(line, err=True)
+        failed += any(row["status"] == "failed" for row in measured.rows)
+    return failed
+
+
+def calibrated(tables: list[Path], out: Path, options: dict[str, Any]) -> "Calibration":
+    """Fit trial tables, write fit.json and the figures, print verdict and values."""
+    from calibrate.fit import fit_stiffness_ratio
+    from calibrate.trials import read_trials
+    from experiments import fig5, profile_plot
+    from experiments.provenance import provenance
+
+    table = read_trials(tables)
+    calibration = fit_stiffness_ratio(table, **options, provenance=provenance(tables, options))
+    calibration.save(out / "fit.json")
+    if calibration.pairs:
+        fig5.main(out, table, calibration)
+        profile_plot.main(out, calibration)
+    typer.echo(str(calibration))
+    return calibration
+
+
+def cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def complain_of_failed(table: "pd.DataFrame") -> None:

@@ -102,7 +102,8 @@ def _measure_into(measured: Measured) -> None:
         recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
     )
     scale = given or _ball_scale(tracks[0], upper, trial)
-    measured.remarks.append(f"scale: {scale.source}")
+    if given is None:
+        measured.remarks.append(f"scale: {scale.source}")
     timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
     measured.tracks = [to_metres(track, scale) for track in timed]
     flights = [
