@@ -13,8 +13,9 @@ BoolArray = npt.NDArray[np.bool_]
 CAPTURE_RATE_TAGS = ("com.android.capture.fps", "com.apple.quicktime.capture-fps", "capture_fps")
 FASTEST_CAMERA = 1e6  # frames/s
 RATE_TOLERANCE = 0.02  # a tag this close to the file's own rate says nothing new
-REPEAT_LEVEL = 2.0  # grey levels: two encodings of one picture differ by less
+REPEAT_LEVEL = 3.0  # grey levels: two encodings of one picture differ by less
 REPEAT_SHARE = 0.2  # ... and by less than this share of what a genuine neighbour differs by
+MOVING_LEVEL = 6.0  # grey levels: where nothing changes by more, nobody can tell
 REPEATS_TO_BELIEVE = 0.1  # at the top of a bounce two pictures may look alike by chance
 
 
@@ -124,7 +125,7 @@ def find_genuine(changes: FloatArray) -> tuple[BoolArray, list[str]]:
     """
     padded = np.pad(np.where(np.isfinite(changes), changes, 0.0), 3)
     around = np.lib.stride_tricks.sliding_window_view(padded, 7).max(axis=1)
-    repeats = (changes < REPEAT_LEVEL) & (changes < REPEAT_SHARE * around) & (around > 4 * REPEAT_LEVEL)
+    repeats = (changes < REPEAT_LEVEL) & (changes < REPEAT_SHARE * around) & (around > MOVING_LEVEL)
     count, total = int(repeats.sum()), len(changes)
     if count < max(3, REPEATS_TO_BELIEVE * total):
         return np.ones(total, dtype=bool), []
