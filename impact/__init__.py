@@ -17,6 +17,7 @@ from impact.bodies import Ball, Cue
 from impact.collision import Collision, ConvergenceError, Segment
 from impact.contact import Contact, ContactMode, Event, Phase, RestitutionLaw
 from impact.drop import BallChain, BallColumn, TwoBallDrop
+from impact.shot import CueShot, ShotOutcome
 from impact.system import ImpactSystem
 
 if TYPE_CHECKING:
@@ -32,11 +33,13 @@ __all__ = [
     "ContactMode",
     "ConvergenceError",
     "Cue",
+    "CueShot",
     "Event",
     "ImpactSystem",
     "Phase",
     "RestitutionLaw",
     "Segment",
+    "ShotOutcome",
     "TwoBallDrop",
     "collide",
     "collide_many",

@@ -63,7 +63,7 @@ def collide(
     scene: Scene[Outcome],
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
-    rtol: float = 1e-10,
+    rtol: float = 1e-12,
     most_states: int = 20_000,
 ) -> Outcome:
     """Let bodies collide at several contacts at once.
@@ -75,7 +75,7 @@ def collide(
     law : RestitutionLaw
         When a contact ends: by energy (the paper's law) or by Poisson's impulses.
     rtol : float
-        Error allowed in one step, relative to the fastest approach, within [1e-13, 1e-3].
+        Error allowed in one step, relative to the fastest approach, within [1e-14, 1e-3].
     most_states : int
         Give up after so many states.
 
@@ -104,7 +104,7 @@ def collide(
     >>> outcome.velocities.round(6).tolist()
     [2.44136, 0.735552]
     """
-    require_within("rtol", rtol, 1e-13, 1e-3)
+    require_within("rtol", rtol, 1e-14, 1e-3)
     system = scene.system()
     room = 16
     while True:

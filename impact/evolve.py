@@ -1,91 +1,168 @@
-"""Evolution inside a state until something happens: adaptive steps and the location of events.
+"""Evolution inside a state until something happens: steps along the series and the location of events.
 
-What may happen is watched through *margins*: each is positive as long as a contact stays in its phase.
+What may happen is watched through *margins*: each is positive as long as a contact stays in its phase and
+mode.
 """
 
 from __future__ import annotations
 
 import math
 
+from impact.friction import friction_margin, turn_directions
 from impact.kernel import (
     COMPRESSION,
-    END,
+    HEAT,
     INACTIVE,
-    POINT,
-    RATES,
-    SLOPES,
     SPEED_FLOOR,
-    STEP,
-    TRIAL,
-    VELOCITY,
     Core,
-    acceleration,
     compiled,
-    contact_velocity,
-    load_point,
-    rates_at,
+    inlined,
+    slope_at,
+    value_at,
 )
 from impact.record import Record, note_sample
-from impact.stepper import interpolate, prepare_dense, try_step
-from impact.tableau import STAGES
+from impact.series import FOOT, expand, longest_step
 
 EVENT_TOLERANCE = 2e-14
-SAMPLES_PER_STEP = 6
-MOST_STEPS = 200_000
+SAMPLES_PER_PART = 6
+MOST_PARTS = 8
+MOST_STEPS = 100_000
 
 
 @compiled
-def remaining(core: Core, index: int, source: int) -> float:
-    """How far an active contact is from the end of its restitution, at a point."""
+def evolve(core: Core, record: Record) -> bool:
+    """Advance to the next event; False if that takes more than `MOST_STEPS` steps."""
+    for _ in range(MOST_STEPS):
+        expand(core)
+        frequency = _fastest(core)
+        step = min(longest_step(core), MOST_PARTS / frequency)
+        parts = int(step * frequency) + 1
+        event = first_event(core, step, parts)
+        note_path(core, record, min(step, event), parts)
+        absorb(core, min(step, event))
+        if event <= step:
+            return True
+        if core.rows > 1:
+            turn_directions(core)
+    return False
+
+
+@compiled
+def _fastest(core: Core) -> float:
+    """Bound on the angular frequency of the oscillation of the active contacts."""
+    total = 0.0
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        if contact.phase != INACTIVE:
+            depth = max(contact.compression, FOOT)
+            stiffness = contact.stiffness * contact.exponent * depth ** (contact.exponent - 1.0)
+            total += stiffness * core.delassus[index * core.rows, index * core.rows]
+    return math.sqrt(total)
+
+
+@compiled
+def first_event(core: Core, step: float, parts: int) -> float:
+    """Time of the first event within `step`, looked for in so many parts; infinite if there is none."""
+    first = math.inf
+    for index in range(core.contacts.size):
+        left = 0.0
+        for part in range(1, parts + 1):
+            right = step * part / parts
+            if left >= first:
+                break
+            if margin(core, index, right) <= 0.0:
+                first = min(first, _root(core, index, left, right))
+                break
+            if _dips(core, index, left, right):
+                lowest = _lowest(core, index, left, right)
+                if margin(core, index, lowest) <= 0.0:
+                    first = min(first, _root(core, index, left, lowest))
+                    break
+            left = right
+    return first
+
+
+@inlined
+def margin(core: Core, index: int, time: float) -> float:
+    """How far a contact is from leaving its phase or mode, at a time from now; positive while it stays."""
+    return min(phase_margin(core, index, time), mode_margin(core, index, time))
+
+
+@inlined
+def phase_margin(core: Core, index: int, time: float) -> float:
+    """How far a contact is from leaving its phase."""
+    normal_velocity = value_at(core.velocities, index * core.rows, time)
+    phase = core.contacts[index].phase
+    if phase == INACTIVE:
+        return normal_velocity + SPEED_FLOOR
+    if phase == COMPRESSION:
+        return SPEED_FLOOR - normal_velocity
+    return min(normal_velocity + SPEED_FLOOR, remaining(core, index, time))
+
+
+@inlined
+def mode_margin(core: Core, index: int, time: float) -> float:
+    """How far a contact is from leaving its mode of friction."""
+    if core.rows == 1 or core.contacts[index].phase == INACTIVE:
+        return math.inf
+    return friction_margin(core, index, time)
+
+
+@inlined
+def remaining(core: Core, index: int, time: float) -> float:
+    """How far an active contact is from the end of its restitution."""
     contact = core.contacts[index]
-    compression = core.work[source, index]
+    compression = value_at(core.compressions, index, time)
     if core.poisson:
         row = index * core.rows
-        impulse = core.impulse[row] + core.work[source, core.contacts.size + row]
+        impulse = core.impulse[row] + value_at(core.impulses, row, time)
         return float(min(compression, contact.last_impulse - impulse))
     return float(compression - contact.rest_compression)
 
 
 @compiled
-def margin(core: Core, index: int, source: int) -> float:
-    """How far a contact is from leaving its phase, at a point whose u is in row VELOCITY."""
-    normal_velocity = core.work[VELOCITY, index * core.rows]
-    phase = core.contacts[index].phase
-    if phase == INACTIVE:
-        return float(normal_velocity + SPEED_FLOOR)
-    if phase == COMPRESSION:
-        return float(SPEED_FLOOR - normal_velocity)
-    return float(min(normal_velocity + SPEED_FLOOR, remaining(core, index, source)))
+def _dips(core: Core, index: int, left: float, right: float) -> bool:
+    """Whether a normal velocity may have left its phase and returned between two times.
+
+    The tangents at both ends meet below the curve; only if they meet below zero can it dip.
+    """
+    row = index * core.rows
+    sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
+    before = sign * slope_at(core.velocities, row, left)
+    after = sign * slope_at(core.velocities, row, right)
+    if before >= 0.0 or after <= 0.0:
+        return False
+    start = sign * value_at(core.velocities, row, left)
+    stop = sign * value_at(core.velocities, row, right)
+    meeting = (stop - start - after * (right - left)) / (before - after)
+    return bool(start + before * meeting < 0.0)
 
 
 @compiled
-def smallest_margin(core: Core, source: int) -> float:
-    """Smallest margin of all contacts at a point."""
-    contact_velocity(core, source)
-    smallest = math.inf
-    for index in range(core.contacts.size):
-        smallest = min(smallest, margin(core, index, source))
-    return smallest
+def _lowest(core: Core, index: int, left: float, right: float) -> float:
+    """Time where the normal acceleration of a contact changes sign, by bisection."""
+    row = index * core.rows
+    sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
+    for _ in range(48):
+        middle = 0.5 * (left + right)
+        if sign * slope_at(core.velocities, row, middle) < 0.0:
+            left = middle
+        else:
+            right = middle
+    return right
 
 
 @compiled
-def _margin_within(core: Core, fraction: float) -> float:
-    interpolate(core, fraction, TRIAL)
-    return smallest_margin(core, TRIAL)
-
-
-@compiled
-def _first_event(core: Core, right: float) -> float:
-    """Fraction of the step where the smallest margin vanishes: secant steps with the Illinois rule."""
-    left = 0.0
-    above = max(_margin_within(core, 0.0), 1e-300)
-    below = _margin_within(core, right)
+def _root(core: Core, index: int, left: float, right: float) -> float:
+    """Time where the margin of a contact vanishes: secant steps with the Illinois rule."""
+    above = max(margin(core, index, left), 1e-300)
+    below = margin(core, index, right)
     for iteration in range(100):
         guess = (left * below - right * above) / (below - above)
         if iteration % 4 == 3 or not left < guess < right:
             guess = 0.5 * (left + right)
-        value = _margin_within(core, guess)
-        if abs(value) <= EVENT_TOLERANCE or right - left < 1e-15:
+        value = margin(core, index, guess)
+        if abs(value) <= EVENT_TOLERANCE or right - left <= 1e-15 * right:
             return guess
         if value > 0.0:
             left, above = guess, value
@@ -97,113 +174,27 @@ def _first_event(core: Core, right: float) -> float:
 
 
 @compiled
-def _dips(core: Core, index: int, sign: float, step: float) -> bool:
-    """Whether a normal velocity may have left its phase and returned within the step just made.
-
-    The tangents at both ends of the step meet below the curve; only if they meet below zero can it dip.
-    """
-    row = index * core.rows
-    before = sign * acceleration(core, row, SLOPES)
-    after = sign * acceleration(core, row, SLOPES + STAGES)
-    if before >= 0.0 or after <= 0.0:
-        return False
-    contact_velocity(core, POINT)
-    start = sign * core.work[VELOCITY, row]
-    contact_velocity(core, END)
-    stop = sign * core.work[VELOCITY, row]
-    meeting = (stop - start - after * step) / (before - after)
-    return bool(start + before * meeting < 0.0)
+def note_path(core: Core, record: Record, until: float, parts: int) -> None:
+    """Write down samples of the path, if there is room for any."""
+    if record.samples.shape[0] == 0:
+        return
+    samples = SAMPLES_PER_PART * parts
+    for sample in range(samples + 1):
+        note_sample(core, record, until * sample / samples)
 
 
 @compiled
-def _lowest_point(core: Core, index: int, sign: float) -> float:
-    """Fraction of the step where the normal acceleration of a contact vanishes, by bisection."""
-    left, right = 0.0, 1.0
-    while right - left > 1e-12:
-        middle = 0.5 * (left + right)
-        interpolate(core, middle, TRIAL)
-        rates_at(core, TRIAL, RATES)
-        if sign * acceleration(core, index * core.rows, RATES) < 0.0:
-            left = middle
-        else:
-            right = middle
-    return right
-
-
-@compiled
-def _event_within(core: Core, step: float) -> float:
-    """Fraction of the step just made where the first event lies; above 1 if there is none."""
-    right = 1.0 if smallest_margin(core, END) <= 0.0 else 2.0
-    dense = False
+def absorb(core: Core, time: float) -> None:
+    """Move to a later time; Δp starts again from zero."""
     for index in range(core.contacts.size):
-        sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
-        if _dips(core, index, sign, step):
-            if not dense:
-                prepare_dense(core, step)
-                dense = True
-            lowest = _lowest_point(core, index, sign)
-            if lowest < right and _margin_within(core, lowest) <= 0.0:
-                right = lowest
-    if right > 1.0:
-        return right
-    if not dense:
-        prepare_dense(core, step)
-    return _first_event(core, right)
-
-
-@compiled
-def _note_path(core: Core, record: Record, step: float, until: float) -> None:
-    prepare_dense(core, step)
-    for sample in range(1, SAMPLES_PER_STEP + 1):
-        interpolate(core, until * sample / SAMPLES_PER_STEP, TRIAL)
-        note_sample(core, record, TRIAL)
-
-
-@compiled
-def _longest_step(core: Core) -> float:
-    """One radian of an oscillation faster than any the active contacts can make."""
-    total = 0.0
-    for index in range(core.contacts.size):
-        row = index * core.rows
-        if core.contacts[index].phase != INACTIVE:
-            total += core.delassus[row, row] * core.contacts[index].peak_stiffness
-    return 1.0 / math.sqrt(total)
-
-
-@compiled
-def _absorb(core: Core) -> None:
-    """Make the point in row END the new state; Δp starts again from zero."""
-    count = core.contacts.size
-    contact_velocity(core, END)
+        contact = core.contacts[index]
+        contact.compression = value_at(core.compressions, index, time)
+        core.compressions[index, 0] = contact.compression
+        if core.rows > 1:
+            contact.friction_work += value_at(core.slips[index], HEAT, time)
     for row in range(core.velocity.size):
-        core.velocity[row] = core.work[VELOCITY, row]
-        core.impulse[row] += core.work[END, count + row]
-    for index in range(count):
-        core.contacts[index].compression = core.work[END, index]
-
-
-@compiled
-def evolve(core: Core, record: Record) -> bool:
-    """Advance to the next event; False if that takes more than `MOST_STEPS` steps."""
-    work = core.work
-    load_point(core, POINT)
-    note_sample(core, record, POINT)
-    rates_at(core, POINT, SLOPES)
-    longest = _longest_step(core)
-    for _ in range(MOST_STEPS):
-        step = min(work[STEP, 0], longest)
-        error = try_step(core, step)
-        work[STEP, 0] = step * min(4.0, max(0.2, 0.9 * (error + 1e-12) ** -0.125))
-        if not error <= 1.0:
-            continue
-        fraction = _event_within(core, step)
-        if record.samples.shape[0] > 0:
-            _note_path(core, record, step, min(fraction, 1.0))
-        if fraction <= 1.0:
-            interpolate(core, fraction, END)
-            _absorb(core)
-            return True
-        for column in range(work.shape[1]):
-            work[POINT, column] = work[END, column]
-            work[SLOPES, column] = work[SLOPES + STAGES, column]
-    return False
+        core.velocity[row] = value_at(core.velocities, row, time)
+        core.velocities[row, 0] = core.velocity[row]
+        core.forces[row, 0] = value_at(core.forces, row, time)
+        core.impulse[row] += value_at(core.impulses, row, time)
+        core.impulses[row, 0] = 0.0

@@ -1,16 +1,12 @@
-"""The compiled core: what one collision is made of, and the rates at which it changes.
+"""The compiled core: what one collision is made of, and the equations it obeys.
 
 Everything here is in scaled units: the fastest approach is 1, the largest Delassus diagonal is 1, the
 stiffest contact is 1, so every tolerance is a plain number. Evolution runs along the parameter σ with
 ``dδ/dσ = -u_n`` and ``dp_n/dσ = k δ**η``; dividing two such lines gives the paper's (10) and (21).
-
-A *point* on the way lies in one row of `Core.work`: ``[δ (n) | Δp (n r) | friction work (n, if r = 3)]``,
-with n contacts of r rows each and Δp counted from the last event.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar, cast
 
@@ -25,6 +21,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 compiled = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy"))
 """Compile a function to machine code on first call and keep the code on disk."""
+inlined = cast(Callable[[Function], Function], numba.njit(cache=True, inline="always", error_model="numpy"))
+"""Compile into the caller: for short functions of the inner loop, where a call costs more than the work."""
 compiled_parallel = cast(
     Callable[[Function], Function], numba.njit(cache=True, parallel=True, error_model="numpy")
 )
@@ -35,6 +33,8 @@ INACTIVE, COMPRESSION, RESTITUTION = (int(phase) for phase in Phase)
 FRICTIONLESS, STICKING, STARTING, SLIDING = (int(mode) for mode in ContactMode)
 SPEED_FLOOR = 1e-13
 """A contact velocity this small counts as zero; it also keeps a grazing contact from chattering."""
+ORDER = 20
+"""Order of the Taylor series; a step at tolerance 1e-12 then spans about two radians of the oscillation."""
 
 CONTACT = np.dtype(
     [
@@ -42,9 +42,11 @@ CONTACT = np.dtype(
         ("exponent", np.float64),
         ("friction", np.float64),
         ("restitution", np.float64),
-        ("peak_stiffness", np.float64),  # steepest slope dF/dδ the contact may reach
         ("phase", np.int64),
         ("mode", np.int64),
+        ("direction_1", np.float64),  # of sliding, along the two tangents
+        ("direction_2", np.float64),
+        ("onset", np.int64),  # order of the first term that moves a starting slide, -1 if not yet met
         ("compression", np.float64),  # δ
         ("rest_compression", np.float64),  # δ at which restitution ends
         ("first_impulse", np.float64),  # p_n when the contact became active
@@ -55,85 +57,50 @@ CONTACT = np.dtype(
 )
 """One contact: first what it is, then how it fares."""
 
-SLOPES, DENSE = 0, 16
-"""First of the 16 rows of stage slopes and of the 7 rows of dense coefficients in `Core.work`."""
-POINT, END, TRIAL, RATES, VELOCITY, OPENING, STEP, WORK_ROWS = range(23, 31)
-"""Start, end and inside of a step; rates and u last looked at; p when the state began; the next step."""
+SQUARE, INVERSE, DIRECTION_1, DIRECTION_2, GROWTH, HEAT, SLIP_SERIES = range(7)
+"""Series of one contact: ``|u_t|²``, ``1 / |u_t|``, unit vector of ``u_t``, ``d|u_t|/dσ``, friction work."""
 
 
 class Core(NamedTuple):
-    """One collision under way; the arrays are altered in place."""
+    """One collision under way, n contacts of r rows each; the arrays are altered in place."""
 
     contacts: npt.NDArray[np.void]  # (n,) of dtype CONTACT
     delassus: Array  # (n r, n r) A
-    velocity: Array  # (n r,) u at the last event
+    velocity: Array  # (n r,) u now
     impulse: Array  # (n r,) p since the start of the collision
-    work: Array  # (WORK_ROWS, size of a point)
+    opening: Array  # (n r,) p when the present state began
+    compressions: Array  # (n, ORDER + 1) series of δ from now on
+    velocities: Array  # (n r, ORDER + 1) series of u
+    forces: Array  # (n r, ORDER + 1) series of dp/dσ
+    impulses: Array  # (n r, ORDER + 1) series of Δp
+    slips: Array  # (n, SLIP_SERIES, ORDER + 1) series of sliding; empty if r = 1
+    held: Array  # (n r, n r) Cholesky factor that keeps the sticking contacts at rest; empty if r = 1
     rows: int  # r
     tolerance: float
     poisson: bool
 
 
 @compiled
-def normal_force(stiffness: float, exponent: float, compression: float) -> float:
-    """Force ``k δ**η`` of the virtual spring; a spring never pulls."""
-    if compression <= 0.0:
-        return 0.0
-    if exponent == 1.0:
-        return stiffness * compression
-    if exponent == 1.5:
-        return stiffness * compression * math.sqrt(compression)
-    return float(stiffness * compression**exponent)
-
-
-@compiled
 def elastic_energy(core: Core, index: int) -> float:
     """Energy ``k δ**(η+1) / (η+1)`` stored in one contact."""
     contact = core.contacts[index]
-    force = normal_force(contact.stiffness, contact.exponent, contact.compression)
-    return float(force * contact.compression / (contact.exponent + 1.0))
+    power = contact.exponent + 1.0
+    return float(contact.stiffness * max(contact.compression, 0.0) ** power / power)
 
 
-@compiled
-def load_point(core: Core, row: int) -> None:
-    """Write the present state as a point: its compressions, and no change yet."""
-    core.work[row, :] = 0.0
-    for index in range(core.contacts.size):
-        core.work[row, index] = core.contacts[index].compression
-
-
-@compiled
-def contact_velocity(core: Core, source: int) -> None:
-    """Write ``u = u⁽⁰⁾ + A Δp`` at a point into row VELOCITY (5, 6, 18)."""
-    work = core.work
-    count = core.contacts.size
-    for row in range(core.velocity.size):
-        total = core.velocity[row]
-        for column in range(core.velocity.size):
-            total += core.delassus[row, column] * work[source, count + column]
-        work[VELOCITY, row] = total
-
-
-@compiled
-def acceleration(core: Core, row: int, rates: int) -> float:
-    """Rate of change of row `row` of u, given the row of `work` that holds the rates of a point."""
+@inlined
+def value_at(series: Array, row: int, time: float) -> float:
+    """Value of one series of a table at σ = `time`, by Horner's rule."""
     total = 0.0
-    for column in range(core.velocity.size):
-        total += core.delassus[row, column] * core.work[rates, core.contacts.size + column]
+    for order in range(ORDER, -1, -1):
+        total = total * time + series[row, order]
     return total
 
 
-@compiled
-def rates_at(core: Core, source: int, target: int) -> None:
-    """Write the rates of change at a point into row `target`, and u into row VELOCITY."""
-    work = core.work
-    count = core.contacts.size
-    contact_velocity(core, source)
-    for column in range(work.shape[1]):
-        work[target, column] = 0.0
-    for index in range(count):
-        contact = core.contacts[index]
-        if contact.phase != INACTIVE:
-            row = index * core.rows
-            work[target, index] = -work[VELOCITY, row]
-            work[target, count + row] = normal_force(contact.stiffness, contact.exponent, work[source, index])
+@inlined
+def slope_at(series: Array, row: int, time: float) -> float:
+    """Slope of one series of a table at σ = `time`."""
+    total = 0.0
+    for order in range(ORDER, 0, -1):
+        total = total * time + order * series[row, order]
+    return total

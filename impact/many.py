@@ -55,7 +55,7 @@ def collide_many(
     template: TwoBallDrop,
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
-    rtol: float = 1e-10,
+    rtol: float = 1e-12,
     **parameters: npt.ArrayLike,
 ) -> ManyDrops:
     """Run one scene for arrays of parameters.
@@ -97,7 +97,7 @@ def collide_many(
     >>> many.states[1]
     ('S1', 'S3', 'S1', 'S2')
     """
-    require_within("rtol", rtol, 1e-13, 1e-3)
+    require_within("rtol", rtol, 1e-14, 1e-3)
     batch = _drop_batch(template, parameters)
     velocities, states, stuck = _solve(batch, law, rtol)
     result = ManyDrops(velocities=velocities, states=states)

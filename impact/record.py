@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from impact._checks import Array
-from impact.kernel import INACTIVE, OPENING, SPEED_FLOOR, Core, compiled
+from impact.kernel import INACTIVE, SPEED_FLOOR, Core, compiled, value_at
 
 Integers = npt.NDArray[np.int64]
 
@@ -29,7 +29,7 @@ class Record(NamedTuple):
     samples: Array  # (samples, 2 n + n r) compressions, modes (-1 if inactive), impulses
 
 
-def new_record(contacts: int, size: int, room: int, samples_per_state: int = 64) -> Record:
+def new_record(contacts: int, size: int, room: int, samples_per_state: int = 128) -> Record:
     """Empty notebook with room for so many states, each of so many samples."""
     return Record(
         np.zeros(4, np.int64),
@@ -47,8 +47,8 @@ def room_needed(record: Record) -> int:
 
 
 @compiled
-def note_sample(core: Core, record: Record, source: int) -> None:
-    """Write down one point."""
+def note_sample(core: Core, record: Record, time: float) -> None:
+    """Write down where the present step is at a time."""
     sample = record.counts[SAMPLES]
     record.counts[SAMPLES] += 1
     if sample >= record.samples.shape[0]:
@@ -56,10 +56,11 @@ def note_sample(core: Core, record: Record, source: int) -> None:
     count = core.contacts.size
     for index in range(count):
         contact = core.contacts[index]
-        record.samples[sample, index] = core.work[source, index]
+        record.samples[sample, index] = value_at(core.compressions, index, time)
         record.samples[sample, count + index] = contact.mode if contact.phase != INACTIVE else -1
     for row in range(core.impulse.size):
-        record.samples[sample, 2 * count + row] = core.impulse[row] + core.work[source, count + row]
+        impulse = core.impulse[row] + value_at(core.impulses, row, time)
+        record.samples[sample, 2 * count + row] = impulse
 
 
 @compiled
@@ -80,7 +81,7 @@ def open_state(core: Core, record: Record) -> None:
         return
     record.counts[IS_OPEN] = 1
     for row in range(core.impulse.size):
-        core.work[OPENING, row] = core.impulse[row]
+        core.opening[row] = core.impulse[row]
     state = record.counts[STATES]
     if state < record.states.shape[0]:
         record.states[state, 0] = record.counts[SAMPLES]
@@ -94,7 +95,7 @@ def close_state(core: Core, record: Record) -> None:
     record.counts[IS_OPEN] = 0
     growth = 0.0
     for row in range(core.impulse.size):
-        growth = max(growth, abs(core.impulse[row] - core.work[OPENING, row]))
+        growth = max(growth, abs(core.impulse[row] - core.opening[row]))
     if growth <= SPEED_FLOOR:
         return
     state = record.counts[STATES]

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from impact._checks import Array
 from impact.contact import RestitutionLaw
-from impact.kernel import CONTACT, STEP, WORK_ROWS, Core, compiled
+from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled
 
 if TYPE_CHECKING:
     from impact.system import ImpactSystem
@@ -67,16 +67,22 @@ def new_core(task: Task) -> Core:
     task.units[0] = speed
     task.units[1] = speed / response
     task.units[2] = _length_unit(task, speed * speed / response)
-    _scale_stiffness(task, rows)
-    size = count + task.velocity.size + (count if rows > 1 else 0)
-    work = np.zeros((WORK_ROWS, size))
-    work[STEP, 0] = np.inf
+    for contact in task.contacts:
+        contact.stiffness *= task.units[2] ** (contact.exponent + 1.0) * response / speed**2
+    size = task.velocity.size
+    tangents = count if rows > 1 else 0
     return Core(
         task.contacts,
         task.delassus / response,
         task.velocity / speed,
-        np.zeros(task.velocity.size),
-        work,
+        np.zeros(size),
+        np.zeros(size),
+        np.zeros((count, ORDER + 1)),
+        np.zeros((size, ORDER + 1)),
+        np.zeros((size, ORDER + 1)),
+        np.zeros((size, ORDER + 1)),
+        np.zeros((tangents, SLIP_SERIES, ORDER + 1)),
+        np.zeros((tangents * 3, tangents * 3)),
         rows,
         task.tolerance,
         task.poisson,
@@ -90,22 +96,6 @@ def _length_unit(task: Task, energy: float) -> float:
     for contact in task.contacts:
         length = min(length, (energy / contact.stiffness) ** (1.0 / (contact.exponent + 1.0)))
     return length
-
-
-@compiled
-def _scale_stiffness(task: Task, rows: int) -> None:
-    """Scale the stiffnesses, and bound the slope of each force by the energy of approach."""
-    energy_unit = task.units[0] * task.units[1]
-    available = 0.0
-    for index in range(task.contacts.size):
-        approach = min(task.velocity[index * rows], 0.0)
-        available += 0.5 * approach**2 / task.delassus[index * rows, index * rows] / energy_unit
-    for index in range(task.contacts.size):
-        contact = task.contacts[index]
-        exponent = contact.exponent
-        contact.stiffness *= task.units[2] ** (exponent + 1.0) / energy_unit
-        deepest = ((exponent + 1.0) * available / contact.stiffness) ** (1.0 / (exponent + 1.0))
-        contact.peak_stiffness = contact.stiffness * exponent * deepest ** (exponent - 1.0)
 
 
 @compiled

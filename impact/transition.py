@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from impact.evolve import EVENT_TOLERANCE, margin, remaining
+from impact.evolve import EVENT_TOLERANCE, phase_margin, remaining
 from impact.kernel import (
     COMPRESSION,
     INACTIVE,
-    POINT,
-    RATES,
     RESTITUTION,
+    SLIDING,
     SPEED_FLOOR,
+    STARTING,
     Core,
-    acceleration,
     compiled,
-    contact_velocity,
     elastic_energy,
-    load_point,
-    rates_at,
 )
 from impact.record import (
     COMPRESSION_ENDS,
@@ -26,6 +22,13 @@ from impact.record import (
     close_state,
     note_event,
 )
+from impact.series import spring_force
+from impact.sticking import choose_modes
+
+SETTLED = 1e-10
+"""Closing speed, and square root of the energy, below which nothing more is worth following."""
+MOMENT = 1e-4
+"""How far ahead forces are looked at where contacts have just begun and have none yet."""
 
 
 @compiled
@@ -39,8 +42,9 @@ def engage(core: Core) -> bool:
         any_active = any_active or contact.phase != INACTIVE
     if not any_active or settled(core):
         return False
+    look_ahead(core)
     while wake_resting(core):
-        pass
+        look_ahead(core)
     return True
 
 
@@ -49,10 +53,10 @@ def settled(core: Core) -> bool:
     """Whether all that is left is below tolerance: a collapse takes infinitely many states (Theorem 3)."""
     stored = 0.0
     for index in range(core.contacts.size):
-        if core.velocity[index * core.rows] < -core.tolerance:
+        if core.velocity[index * core.rows] < -SETTLED:
             return False
         stored += elastic_energy(core, index)
-    if stored > core.tolerance**2:
+    if stored > SETTLED**2:
         return False
     for index in range(core.contacts.size):
         finish(core, index)
@@ -62,15 +66,16 @@ def settled(core: Core) -> bool:
 @compiled
 def wake_resting(core: Core) -> bool:
     """Activate one contact at rest that the forces of the next moment push together, if there is one."""
-    look_ahead(core)
     for index in range(core.contacts.size):
         row = index * core.rows
         if core.contacts[index].phase != INACTIVE or core.velocity[row] > 2.0 * SPEED_FLOOR:
             continue
-        push = -acceleration(core, row, RATES)
+        push = 0.0
         size = 0.0
         for column in range(core.velocity.size):
-            size += abs(core.delassus[row, column] * core.work[RATES, core.contacts.size + column])
+            part = core.delassus[row, column] * core.forces[column, 0]
+            push -= part
+            size += abs(part)
         if push > 1e-9 * size:
             activate(core, index)
             return True
@@ -79,21 +84,30 @@ def wake_resting(core: Core) -> bool:
 
 @compiled
 def look_ahead(core: Core) -> None:
-    """Write into row RATES the rates a moment later, when contacts that just began have some force.
+    """Write the forces of the next moment into the first column of `core.forces`, and choose friction modes.
 
     Each pass carries the push one contact further, so that a row of touching balls is felt to its end.
     """
-    moment = 1e-4
-    load_point(core, POINT)
-    rates_at(core, POINT, RATES)
+    for row in range(core.velocity.size):
+        core.forces[row, 0] = 0.0
     for _ in range(core.contacts.size):
         for index in range(core.contacts.size):
             contact = core.contacts[index]
             if contact.phase != INACTIVE:
-                row = index * core.rows
-                closing = -core.velocity[row] - moment * acceleration(core, row, RATES)
-                core.work[POINT, index] = contact.compression + moment * max(closing, 0.0)
-        rates_at(core, POINT, RATES)
+                depth = contact.compression if contact.compression > 0.0 else _depth_soon(core, index)
+                core.forces[index * core.rows, 0] = spring_force(core, index, depth)
+        if core.rows > 1:
+            choose_modes(core)
+
+
+@compiled
+def _depth_soon(core: Core, index: int) -> float:
+    """Depth that a contact which has just begun will have a moment later."""
+    row = index * core.rows
+    closing = -core.velocity[row]
+    for column in range(core.velocity.size):
+        closing -= MOMENT * core.delassus[row, column] * core.forces[column, 0]
+    return float(MOMENT * max(closing, 0.0))
 
 
 @compiled
@@ -112,10 +126,8 @@ def transition(core: Core, record: Record) -> None:
     The state closes if that changed which contacts are active.
     """
     changed = False
-    load_point(core, POINT)
-    contact_velocity(core, POINT)
     for index in range(core.contacts.size):
-        if margin(core, index, POINT) > EVENT_TOLERANCE:
+        if phase_margin(core, index, 0.0) > EVENT_TOLERANCE:
             continue
         contact = core.contacts[index]
         if contact.phase == INACTIVE:
@@ -126,10 +138,10 @@ def transition(core: Core, record: Record) -> None:
         if contact.phase == COMPRESSION:
             turn(core, index)
             note_event(record, COMPRESSION_ENDS, index)
-        elif remaining(core, index, POINT) > EVENT_TOLERANCE:
+        elif remaining(core, index, 0.0) > EVENT_TOLERANCE:
             contact.phase = COMPRESSION  # pushed together again before restitution could end
             continue
-        if remaining(core, index, POINT) <= EVENT_TOLERANCE:
+        if remaining(core, index, 0.0) <= EVENT_TOLERANCE:
             finish(core, index)
             note_event(record, RESTITUTION_ENDS, index)
             changed = True
@@ -172,3 +184,9 @@ def pay_impulse_owed(core: Core, index: int) -> None:
     core.impulse[row] += owed
     for other in range(core.velocity.size):
         core.velocity[other] += core.delassus[other, row] * owed
+    if core.rows > 1 and contact.mode in (STARTING, SLIDING):
+        for tangent, direction in ((row + 1, contact.direction_1), (row + 2, contact.direction_2)):
+            drag = -contact.friction * owed * direction
+            core.impulse[tangent] += drag
+            for other in range(core.velocity.size):
+                core.velocity[other] += core.delassus[other, tangent] * drag

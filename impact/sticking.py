@@ -1,0 +1,105 @@
+"""Whether contacts without slip stick or start to slide, decided for all of them together.
+
+Friction forces of contacts at rest minimise ``½ fᵀ A f + bᵀ f`` over the product of the discs
+``|f_i| ≤ μ_i f_n,i``. Inside its disc a contact has no tangential acceleration: it sticks. On the rim the
+acceleration is opposed to the force: it starts to slide that way. So the paper's two tests (does sticking lie
+within the cone, and which way does sliding start) are the conditions of one convex minimum, which is found by
+going round the contacts.
+"""
+
+from __future__ import annotations
+
+import math
+
+from impact.friction import STOPPED, factor_held
+from impact.kernel import (
+    FRICTIONLESS,
+    INACTIVE,
+    SLIDING,
+    STARTING,
+    STICKING,
+    Core,
+    compiled,
+)
+from impact.starting import best_in_disc
+
+MOST_ROUNDS = 1000
+
+
+@compiled
+def choose_modes(core: Core) -> None:
+    """Set mode, direction and friction force of every active contact from its slip and the normal forces.
+
+    Forces are read from and written to the first column of `core.forces`.
+    """
+    undecided = 0
+    for index in range(core.contacts.size):
+        core.forces[3 * index + 1, 0] = 0.0
+        core.forces[3 * index + 2, 0] = 0.0
+        if core.contacts[index].phase != INACTIVE:
+            undecided += _begin(core, index)
+    for _ in range(MOST_ROUNDS if undecided > 1 else undecided):
+        if not _go_round(core):
+            break
+    for index in range(core.contacts.size):
+        if core.contacts[index].phase != INACTIVE and core.contacts[index].mode == STICKING:
+            _decide(core, index)
+    factor_held(core)
+
+
+@compiled
+def _begin(core: Core, index: int) -> int:
+    """Let what slips slide, and count a contact at rest as sticking for now: 1 if it is at rest."""
+    contact = core.contacts[index]
+    if contact.friction == 0.0:
+        contact.mode = FRICTIONLESS
+        return 0
+    row = 3 * index
+    slip = math.hypot(core.velocity[row + 1], core.velocity[row + 2])
+    if slip <= 2.0 * STOPPED:
+        contact.mode = STICKING
+        core.velocity[row + 1] = 0.0
+        core.velocity[row + 2] = 0.0
+        return 1
+    contact.mode = SLIDING
+    contact.direction_1 = core.velocity[row + 1] / slip
+    contact.direction_2 = core.velocity[row + 2] / slip
+    limit = contact.friction * core.forces[row, 0]
+    core.forces[row + 1, 0] = -limit * contact.direction_1
+    core.forces[row + 2, 0] = -limit * contact.direction_2
+    return 0
+
+
+@compiled
+def _go_round(core: Core) -> bool:
+    """Find the best force of each undecided contact, given the others; say whether any changed."""
+    changed = False
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        if contact.phase == INACTIVE or contact.mode != STICKING:
+            continue
+        row = 3 * index
+        before_1, before_2 = core.forces[row + 1, 0], core.forces[row + 2, 0]
+        core.forces[row + 1, 0], core.forces[row + 2, 0] = 0.0, 0.0
+        pull_1, pull_2 = 0.0, 0.0
+        for column in range(core.velocity.size):
+            pull_1 += core.delassus[row + 1, column] * core.forces[column, 0]
+            pull_2 += core.delassus[row + 2, column] * core.forces[column, 0]
+        limit = contact.friction * core.forces[row, 0]
+        force_1, force_2 = best_in_disc(core, row, pull_1, pull_2, limit)
+        core.forces[row + 1, 0], core.forces[row + 2, 0] = force_1, force_2
+        changed = changed or math.hypot(force_1 - before_1, force_2 - before_2) > 1e-14 * limit
+    return changed
+
+
+@compiled
+def _decide(core: Core, index: int) -> None:
+    """Let a contact whose friction is on the rim of its disc start to slide against it."""
+    contact = core.contacts[index]
+    force_1 = core.forces[3 * index + 1, 0]
+    force_2 = core.forces[3 * index + 2, 0]
+    size = math.hypot(force_1, force_2)
+    if size > 0.0 and size >= contact.friction * core.forces[3 * index, 0] * (1.0 - 1e-10):
+        contact.mode = STARTING
+        contact.direction_1 = -force_1 / size
+        contact.direction_2 = -force_2 / size
