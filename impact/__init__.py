@@ -22,7 +22,7 @@ from impact.system import ImpactSystem
 
 if TYPE_CHECKING:
     from impact.diagram import collide
-    from impact.many import collide_many
+    from impact.many import ManyDrops, ManyShots, collide_many
 
 __all__ = [
     "Ball",
@@ -36,6 +36,8 @@ __all__ = [
     "CueShot",
     "Event",
     "ImpactSystem",
+    "ManyDrops",
+    "ManyShots",
     "Phase",
     "RestitutionLaw",
     "Segment",
@@ -49,11 +51,11 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load the compiled engine when it is first asked for, so that importing bodies stays quick."""
     if name == "collide":
-        from impact.diagram import collide
+        from impact import diagram
 
-        return collide
-    if name == "collide_many":
-        from impact.many import collide_many
+        return diagram.collide
+    if name in ("collide_many", "ManyDrops", "ManyShots"):
+        from impact import many
 
-        return collide_many
+        return getattr(many, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -2,42 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from impact._checks import Array, require_within
+from impact.batches import Batch, drop_batch, shot_batch
 from impact.collision import ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.diagram import FINISHED, run
-from impact.drop import DROP_JACOBIAN, TwoBallDrop
-from impact.kernel import CONTACT, compiled, compiled_parallel, parallel_range
+from impact.drop import TwoBallDrop
+from impact.kernel import compiled, compiled_parallel, parallel_range
 from impact.record import STATES, Integers, Record
 from impact.scaling import Task
+from impact.shot import CueShot
 from impact.system import TWO_CONTACT_STATES
 
 MOST_STATES = 20_000
-UNIT = (0.0, 1.0)
-POSITIVE = (np.nextafter(0.0, 1.0), np.finfo(float).max)
-NEGATIVE = (-np.finfo(float).max, np.nextafter(0.0, -1.0))
-AT_LEAST_ONE = (1.0, np.finfo(float).max)
-
-
-class Batch(NamedTuple):
-    """Rows of collisions with two contacts each, in generalized coordinates with diagonal inertia."""
-
-    contacts: npt.NDArray[np.void]  # (N, 2) of dtype CONTACT
-    inverse_mass: Array  # (N, d)
-    jacobian: Array  # (N or 1, 2, r, d)
-    velocity: Array  # (N, d)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ManyDrops:
-    """Outcomes of many two-ball drops.
+    """Outcomes of N two-ball drops.
 
     Attributes
     ----------
@@ -51,30 +40,75 @@ class ManyDrops:
     states: Sequence[tuple[str, ...]]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ManyShots:
+    """Outcomes of N cue shots.
+
+    Attributes
+    ----------
+    velocity : (N, 3) array
+        Of the ball's centre, m/s.
+    angular_velocity : (N, 3) array
+        Of the ball, rad/s.
+    cue_speed : (N,) array
+        Velocity of the cue along its original direction, m/s.
+    states : sequence of N tuples of str
+        Names of the states of each row.
+    """
+
+    velocity: Array
+    angular_velocity: Array
+    cue_speed: Array
+    states: Sequence[tuple[str, ...]]
+
+
+@overload
 def collide_many(
     template: TwoBallDrop,
+    *,
+    law: RestitutionLaw = ...,
+    rtol: float = ...,
+    **parameters: npt.ArrayLike,
+) -> ManyDrops: ...
+
+
+@overload
+def collide_many(
+    template: CueShot,
+    *,
+    law: RestitutionLaw = ...,
+    rtol: float = ...,
+    **parameters: npt.ArrayLike,
+) -> ManyShots: ...
+
+
+def collide_many(
+    template: TwoBallDrop | CueShot,
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
     rtol: float = 1e-12,
     **parameters: npt.ArrayLike,
-) -> ManyDrops:
+) -> ManyDrops | ManyShots:
     """Run one scene for arrays of parameters.
 
     Parameters
     ----------
-    template : TwoBallDrop
+    template : TwoBallDrop or CueShot
         Gives every value that is not varied.
     law, rtol
         As in `collide`.
-    **parameters : float or (N,) array
-        Values to vary, broadcast against each other: `upper_mass`, `lower_mass`, `ball_ball_restitution`,
-        `ball_table_restitution`, `ball_ball_exponent`, `ball_table_exponent`, `stiffness_ratio` (lower
-        contact over upper, k₂/k₁) and `approach_velocity`.
+    **parameters : float, (N,) array, or (N, 3) array for vectors
+        Values to vary, broadcast against each other. For drops: `upper_mass`, `lower_mass`,
+        `ball_ball_restitution`, `ball_table_restitution`, `ball_ball_exponent`, `ball_table_exponent`,
+        `stiffness_ratio` and `approach_velocity`. For shots: `normal`, `cue_velocity`, `ball_mass`,
+        `cue_mass`, `tip_ball_restitution`, `tip_ball_friction`, `tip_ball_exponent`,
+        `ball_table_restitution`, `ball_table_friction`, `ball_table_exponent` and `stiffness_ratio`. The
+        ratio is always lower contact over upper: k₂/k₁ for the drop, k_bt/k_cb for the shot.
 
     Returns
     -------
-    ManyDrops
-        Rebound velocities and states, row by row the same as `collide` gives.
+    ManyDrops or ManyShots
+        Velocities and states, row by row the same as `collide` gives.
 
     Raises
     ------
@@ -98,54 +132,21 @@ def collide_many(
     ('S1', 'S3', 'S1', 'S2')
     """
     require_within("rtol", rtol, 1e-14, 1e-3)
-    batch = _drop_batch(template, parameters)
-    velocities, states, stuck = _solve(batch, law, rtol)
-    result = ManyDrops(velocities=velocities, states=states)
+    result: ManyDrops | ManyShots
+    if isinstance(template, TwoBallDrop):
+        velocities, states, stuck = _solve(drop_batch(template, parameters), law, rtol)
+        result = ManyDrops(velocities=velocities, states=states)
+    else:
+        velocities, states, stuck = _solve(shot_batch(template, parameters), law, rtol)
+        result = ManyShots(
+            cue_speed=velocities[:, 0],
+            velocity=velocities[:, 1:4],
+            angular_velocity=velocities[:, 4:7],
+            states=states,
+        )
     if len(stuck):
         raise ConvergenceError(f"collisions in rows {stuck.tolist()} did not end", result)
     return result
-
-
-def _drop_batch(template: TwoBallDrop, parameters: Mapping[str, npt.ArrayLike]) -> Batch:
-    upper, lower = template.ball_ball, template.ball_table
-    rules = {
-        "upper_mass": (template.upper.mass, POSITIVE),
-        "lower_mass": (template.lower.mass, POSITIVE),
-        "ball_ball_restitution": (upper.restitution, UNIT),
-        "ball_table_restitution": (lower.restitution, UNIT),
-        "ball_ball_exponent": (upper.exponent, AT_LEAST_ONE),
-        "ball_table_exponent": (lower.exponent, AT_LEAST_ONE),
-        "stiffness_ratio": (lower.stiffness / upper.stiffness, POSITIVE),
-        "approach_velocity": (template.approach_velocity, NEGATIVE),
-    }
-    values = _rows_of(rules, parameters)
-    count = len(values["upper_mass"])
-    contacts = np.zeros((count, 2), CONTACT)
-    for index, name in enumerate(("ball_ball", "ball_table")):
-        contacts["restitution"][:, index] = values[f"{name}_restitution"]
-        contacts["exponent"][:, index] = values[f"{name}_exponent"]
-    contacts["stiffness"][:, 0] = upper.stiffness
-    contacts["stiffness"][:, 1] = upper.stiffness * values["stiffness_ratio"]
-    inverse_mass = 1.0 / np.column_stack([values["upper_mass"], values["lower_mass"]])
-    velocity = np.column_stack([values["approach_velocity"], np.zeros(count)])
-    return Batch(contacts, inverse_mass, DROP_JACOBIAN[np.newaxis], velocity)
-
-
-def _rows_of(
-    rules: Mapping[str, tuple[float, tuple[float, float]]], parameters: Mapping[str, npt.ArrayLike]
-) -> dict[str, Array]:
-    """Check each parameter against its rule and broadcast all of them to one length."""
-    unknown = sorted(set(parameters) - set(rules))
-    if unknown:
-        raise TypeError(f"unknown parameters {', '.join(unknown)}; allowed are {', '.join(rules)}")
-    given = {}
-    for name, (default, (low, high)) in rules.items():
-        values = np.atleast_1d(np.asarray(parameters.get(name, default), dtype=np.float64))
-        wrong = ~((values >= low) & (values <= high))
-        if wrong.any():
-            raise ValueError(f"{name} must be within [{low:g}, {high:g}], got {values[wrong][0]}")
-        given[name] = values
-    return dict(zip(given, np.broadcast_arrays(*given.values()), strict=True))
 
 
 class Rows(NamedTuple):

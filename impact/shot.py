@@ -58,11 +58,10 @@ class ShotOutcome:
         return self.collision.energy_loss
 
     def __repr__(self) -> str:
-        velocity = ", ".join(f"{part:.4g}" for part in self.velocity)
-        spin = ", ".join(f"{part:.4g}" for part in self.angular_velocity)
+        velocity, spin = format_vector(self.velocity), format_vector(self.angular_velocity)
         shown = " ".join(self.states[:12]) + (" ..." if len(self.states) > 12 else "")
         return (
-            f"ball velocity ({velocity}) m/s, angular velocity ({spin}) rad/s, "
+            f"ball velocity {velocity} m/s, angular velocity {spin} rad/s, "
             f"cue {self.cue_speed:.4g} m/s, states {shown}"
         )
 
@@ -96,8 +95,11 @@ class CueShot:
     ...                normal=(-1, -2, 1), cue_velocity=(0, 0, -2),
     ...                tip_ball=Contact(restitution=0.656532, friction=0.4, stiffness=1.5),
     ...                ball_table=Contact(restitution=0.51625, friction=0.152479))
-    >>> print(collide(shot))
-    ball velocity (0.4291, 0.8582, 0.2831) m/s, angular velocity (31.63, -15.82, 0) rad/s, cue ... S1 S3
+    >>> outcome = collide(shot)
+    >>> print(outcome)
+    ball velocity (0.4291, 0.8582, 0.2831) m/s, angular velocity (31.63, -15.82, 0) rad/s, cue 1.591 m/s, ...
+    >>> outcome.states
+    ('S1', 'S2', 'S1', 'S3')
     """
 
     ball: Ball
@@ -142,6 +144,12 @@ class CueShot:
         )
 
 
+def format_vector(vector: Array) -> str:
+    """Write a vector to four digits, with rounding errors as plain zeros."""
+    smallest = 1e-9 * float(np.abs(vector).max())
+    return "(" + ", ".join(f"{part:.4g}" if abs(part) > smallest else "0" for part in vector) + ")"
+
+
 def shot_inverse_mass(ball_mass: float | Array, cue_mass: float | Array, inertia: float | Array) -> Array:
     """Diagonal of M⁻¹, shape (..., 7), in the order of `CueShot.system`."""
     parts = [1.0 / np.asarray(cue_mass), *[1.0 / np.asarray(ball_mass)] * 3, *[1.0 / np.asarray(inertia)] * 3]
@@ -161,8 +169,8 @@ def shot_jacobian(normal: Array, direction: Array, radius: float) -> Array:
     Returns
     -------
     (..., 2, 3, 7) array
-        Tip then table, each along its normal and two tangents (`tangent_frame`). At the tip it is the velocity
-        of the cue relative to the ball, at the table that of the ball.
+        Tip then table, each along its normal and two tangents (`tangent_frame`). At the tip it is the
+        velocity of the cue relative to the ball, at the table that of the ball.
     """
     shape = normal.shape[:-1]
     up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), normal.shape)
