@@ -16,6 +16,7 @@ Image = npt.NDArray[np.uint8]
 
 RAYS = 64
 STEP_PX = 0.5  # along a ray
+MARGIN_PX = 2.5  # a rim is blurred, and a guess is off, by less
 PEAK_PX = 2.0  # a sharp rim is this wide to each side of its steepest place
 FLANK = 0.25  # gradients below this share of the steepest are shading or texture, not rim
 MINIMUM_STEEPNESS = 2.0  # grey levels a step: less is no edge

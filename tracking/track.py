@@ -7,19 +7,18 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import find_peaks
 
-from tracking.circle import Circle, Image, Rim, find_rim, fit_circle, locate_circle
+from tracking.circle import MARGIN_PX, Circle, Image, Rim, find_rim, fit_circle, locate_circle
 from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
+from tracking.size import measure_radius
 from tracking.video import Frame, Recording, read_frames
 
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
 KEPT_BYTES = 200_000_000
-RADIUS_FRAMES = 15  # pictures from which an unknown radius is measured
 SHARP = 0.12  # motion blur below this share of the radius
-MARGIN_PX = 2.5
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
 
@@ -85,9 +84,10 @@ def track_balls(
     background = make_background(recording.samples)
     frames = _replay(recording)
     candidates = [find_blobs(frame.image, background) for frame in frames()]
-    known = radius is not None
-    path, radius = _find_path(recording, candidates, radius)
-    radius = radius if known else _measure_radius(frames(), path, radius)
+    path, rough = _find_path(recording, candidates, radius)
+    if radius is None:
+        radius = measure_radius(frames(), path, rough)
+        path, _ = _find_path(recording, candidates, radius)
     upper: list[_Sighting] = []
     rest: list[_Sighting] = []
     below = None if lower is None else _place_below(path, radius, lower)
@@ -136,29 +136,6 @@ def _find_path(
         f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against a "
         "background of another colour, whole and in focus, and check --ball-diameter and the scale"
     )
-
-
-def _measure_radius(frames: Iterable[Frame], path: Sequence[Blob | None], guess: float) -> float:
-    """Measure the radius on some sharp pictures; patches cut at half contrast told it a little too small."""
-    blurs = [np.inf if blob is None else abs(blob.height - blob.width) for blob in path]
-    sharpest = set(np.argsort(blurs)[:RADIUS_FRAMES].tolist())
-    radii = [
-        _settled_radius(frame.image, (blob.x, blob.y, guess))
-        for number, (frame, blob) in enumerate(zip(frames, path, strict=True))
-        if number in sharpest and blob is not None
-    ]
-    found = [radius for radius in radii if radius is not None]
-    return float(np.median(found)) if found else guess
-
-
-def _settled_radius(image: Image, guess: tuple[float, float, float]) -> float | None:
-    """Fit again and again from the circle just found, until the guess no longer matters."""
-    for _ in range(5):
-        circle = locate_circle(image, guess, reach=0.2 * guess[2] + MARGIN_PX, free_radius=True)
-        if circle is None:
-            return None
-        guess = (circle.x, circle.y, circle.radius)
-    return guess[2]
 
 
 def _place_below(path: Sequence[Blob | None], radius: float, lower: float) -> tuple[float, float, float]:
