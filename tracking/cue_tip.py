@@ -10,7 +10,9 @@ from tracking.track import Track
 FloatArray = npt.NDArray[np.float64]
 
 LAST_SECONDS = 0.1  # of the approach, within which the cue's acceleration is steady
-CURVED_FROM = 7  # frames from which the acceleration is fitted too
+LAST_FRAMES = 5.5  # at least, if frames are few
+CURVED_FROM = 4  # frames from which the acceleration is looked for
+CERTAIN = 3.0  # standard deviations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +58,7 @@ def measure_tip(tip: Track, strike_time: float, place: FloatArray, radius: float
     """
     interval = float(np.median(np.diff(tip.time)))
     used = tip.time < strike_time - interval / 2
-    used &= tip.time > strike_time - max(LAST_SECONDS, 4.5 * interval)
+    used &= tip.time > strike_time - max(LAST_SECONDS, LAST_FRAMES * interval)
     if used.sum() < 3:
         return None
     since = tip.time[used] - strike_time
@@ -76,12 +78,20 @@ def measure_tip(tip: Track, strike_time: float, place: FloatArray, radius: float
 
 
 def _velocity_at_strike(since: FloatArray, places: FloatArray, sd: float) -> tuple[FloatArray, FloatArray]:
-    """Slope at time 0 of a line, or of a parabola where there are frames enough, and its uncertainty."""
-    degree = 2 if len(since) >= CURVED_FROM else 1
+    """Slope at time 0 of a line, or of a parabola where the cue accelerates, and its uncertainty."""
+    line = _fit(since, places, 1, sd)
+    if len(since) < CURVED_FROM:
+        return line[0][1], line[1][1]
+    curve, curve_sd = _fit(since, places, 2, sd)
+    curved = bool(np.any(np.abs(curve[2]) > CERTAIN * curve_sd[2]))
+    return (curve[1], curve_sd[1]) if curved else (line[0][1], line[1][1])
+
+
+def _fit(since: FloatArray, places: FloatArray, degree: int, sd: float) -> tuple[FloatArray, FloatArray]:
+    """Fit polynomials to both coordinates: coefficients from the constant up, and their sd."""
     powers = np.vander(since, degree + 1, increasing=True)
     inverse = np.linalg.pinv(powers)
     solution = inverse @ places
-    apart = places - powers @ solution
-    scatter = np.sqrt(np.sum(apart**2, axis=0) / max(len(since) - degree - 1, 1))
-    gain = float(np.linalg.norm(inverse[1]))
-    return solution[1], np.maximum(scatter, sd) * gain
+    freedom = max(len(since) - degree - 1, 1)
+    scatter = np.sqrt(np.sum((places - powers @ solution) ** 2, axis=0) / freedom)
+    return solution, np.linalg.norm(inverse, axis=1)[:, None] * np.maximum(scatter, sd)

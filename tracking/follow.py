@@ -5,7 +5,7 @@ been struck); the rim then gives the centre. Nothing is filled in where it was n
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import cv2
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from tracking.circle import Circle, locate_circle
 from tracking.detect import Image
-from tracking.movers import Mover
+from tracking.movers import Mover, find_movers
 from tracking.video import Frame, Recording, read_frames
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,8 +22,7 @@ Guess = tuple[float, float, float]
 """x, y and radius in px."""
 
 RADIUS_GUESSES = (0.5, 0.65, 0.8, 1.0, 1.25)  # of half the patch's width, which may hold a shadow
-SEED_WAY = 2.0  # diameters a thing has gone when it is taken up
-REST_SECONDS = 1.0  # of rest that are looked at
+REST_SECONDS = 0.4  # of rest that are looked at
 AT_REST = 0.1  # radii that a thing at rest seems to move at most
 PATCH_RADII = 1.5  # half the width of the picture kept of a sighting
 KEPT_BYTES = 100_000_000
@@ -33,6 +32,9 @@ RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the 
 LIKENESS = 0.5  # correlation below which a place does not look like the thing
 PULL = 0.15  # likeness that a place at the edge of the search has to make up for
 LOST_FRAMES = 6
+SHARP = 0.03  # a ball's rim is located better than this share of its radius
+MOST_MOVERS = 8
+FEWEST_SIGHTINGS = 8
 MEMORY = 15  # sightings from which the expected radius is taken
 
 
@@ -50,10 +52,21 @@ class Sighting:
     corner: tuple[int, int]
 
 
+def moving_balls(recording: Recording) -> list[list[Sighting]]:
+    """Follow each round thing that moves, once; the one that goes furthest first."""
+    balls: list[list[Sighting]] = []
+    for mover in find_movers(recording)[:MOST_MOVERS]:
+        if not any(_same(mover, ball) for ball in balls):
+            ball = follow(recording, mover)
+            if len(ball) >= FEWEST_SIGHTINGS and _is_sharp(ball):
+                balls.append(ball)
+    return balls
+
+
 def follow(recording: Recording, mover: Mover) -> list[Sighting]:
-    """See a mover in all frames from about a second before it moves until it is lost, in order of time."""
+    """See a mover from shortly before it moves until it is lost or rests, in order of time."""
     frames = read_frames(recording)
-    number = _seed(mover)
+    number = mover.taken_up
     kept, corner = _keep(recording, frames, mover, number)
     blob = mover.blobs[number]
     start = _settle(kept[-1].image, (blob.x - corner[0], blob.y - corner[1]), mover.diameter / 2)
@@ -68,10 +81,22 @@ def follow(recording: Recording, mover: Mover) -> list[Sighting]:
     return _look_along(frames, ahead).seen
 
 
-def _seed(mover: Mover) -> int:
-    """Number of the patch at which to take up the thing: a little after it starts to move."""
-    way = np.array([np.hypot(b.x - mover.blobs[0].x, b.y - mover.blobs[0].y) for b in mover.blobs])
-    return int(np.flatnonzero(way >= min(SEED_WAY * mover.diameter, mover.way / 2))[0])
+def _same(mover: Mover, ball: Sequence[Sighting]) -> bool:
+    """Tell whether a mover is a ball already followed."""
+    places = {sighting.frame: sighting.circle for sighting in ball}
+    moving = zip(mover.frames[mover.taken_up :], mover.blobs[mover.taken_up :], strict=True)
+    near = [
+        frame in places
+        and np.hypot(blob.x - places[frame].x, blob.y - places[frame].y) < 1.5 * places[frame].radius
+        for frame, blob in moving
+    ]
+    return float(np.mean(near)) > 0.5
+
+
+def _is_sharp(ball: Sequence[Sighting]) -> bool:
+    """Tell a ball's rim from what a hand shows by chance."""
+    share = [max(s.circle.x_sd, s.circle.y_sd) / s.circle.radius for s in ball]
+    return float(np.median(share)) < SHARP
 
 
 def _keep(
@@ -163,7 +188,7 @@ def _expect(frame: Frame, thing: _Followed) -> Guess | None:
 
 
 def _rests(thing: _Followed) -> bool:
-    """Tell whether the last second shows no motion."""
+    """Tell whether the last sightings show no motion."""
     latest = [s.circle for s in thing.seen if abs(s.time - thing.seen[-1].time) <= REST_SECONDS]
     enough = bool(thing.seen) and abs(thing.seen[-1].time - thing.seen[0].time) > REST_SECONDS
     spread = np.ptp([(c.x, c.y) for c in latest], axis=0) if enough else np.inf

@@ -20,6 +20,7 @@ FIRST_STEP = 2.5  # diameters a thing may go in the first frame after it was fou
 SURPRISE = 1.0  # diameters off the straight way at constant velocity
 SHORTEST_CHAIN = 5
 LEAST_WAY = 1.5  # diameters: what went less far did not move
+SEED_WAY = 2.0  # diameters a thing has gone when it is taken up
 LARGEST_WOBBLE = 0.5  # change of velocity over velocity, from frame to frame
 
 
@@ -42,10 +43,18 @@ class Mover:
         return float(np.median([min(blob.width, blob.height) for blob in self.blobs]))
 
     @property
+    def taken_up(self) -> int:
+        """Number of the patch from which it surely moves."""
+        first = self.blobs[0]
+        way = np.array([np.hypot(blob.x - first.x, blob.y - first.y) for blob in self.blobs])
+        return int(np.flatnonzero(way >= min(SEED_WAY * self.diameter, self.way / 2))[0])
+
+    @property
     def wobble(self) -> float:
-        """How unsteady it goes: median change of the step over the median step."""
-        place = np.array([(blob.x, blob.y) for blob in self.blobs])
-        steps = np.diff(place, axis=0) / np.diff(self.frames)[:, None]
+        """How unsteady it goes once it moves: median change of the step over the median step."""
+        moving = slice(max(0, self.taken_up - SHORTEST_CHAIN), None)
+        place = np.array([(blob.x, blob.y) for blob in self.blobs[moving]])
+        steps = np.diff(place, axis=0) / np.diff(self.frames[moving])[:, None]
         turns = np.hypot(*np.diff(steps, axis=0).T)
         return float(np.median(turns) / max(float(np.median(np.hypot(*steps.T))), 1e-9))
 

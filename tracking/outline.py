@@ -7,18 +7,19 @@ plane, towards a camera above, looks larger than this.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import Circle, find_rim, fit_circle
+from tracking.circle import Circle, locate_circle
 from tracking.follow import Sighting
 from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
 REFINEMENTS = 3
+SETTLED_PX = 0.03
 REACH = 0.12  # radii around the expected rim
 MARGIN_PX = 2.0
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
@@ -38,14 +39,19 @@ class Outlines:
 def trace_outlines(ball: str, sightings: Sequence[Sighting]) -> Outlines:
     """Fit the rims of all sightings again, with the radius that varies only as the perspective does."""
     circles = [sighting.circle for sighting in sightings]
+    expected = _plane_radius(circles)
     for _ in range(REFINEMENTS):
-        expected = _plane_radius(circles)
         circles = [
             _refined(sighting, circle, radius) or circle
             for sighting, circle, radius in zip(sightings, circles, expected, strict=True)
         ]
-    expected = _plane_radius(circles)
-    final = [_fixed(s, c, r) for s, c, r in zip(sightings, circles, expected, strict=True)]
+        before, expected = expected, _plane_radius(circles)
+        if np.abs(expected - before).max() < SETTLED_PX:
+            break
+    final = [
+        _fit(sighting, circle, radius, free_radius=False)
+        for sighting, circle, radius in zip(sightings, circles, expected, strict=True)
+    ]
     kept = [i for i, circle in enumerate(final) if circle is not None]
     centres = [circle for circle in final if circle is not None]
     seen = np.array([circles[i].radius for i in kept])
@@ -88,30 +94,14 @@ def _plane_radius(circles: Sequence[Circle]) -> FloatArray:
 
 def _refined(sighting: Sighting, circle: Circle, radius: float) -> Circle | None:
     """Look again where the rim is expected, and let the radius go free at the end."""
-    fixed = _fixed(sighting, circle, radius)
+    fixed = _fit(sighting, circle, radius, free_radius=False)
     return None if fixed is None else _fit(sighting, fixed, radius, free_radius=True)
-
-
-def _fixed(sighting: Sighting, circle: Circle, radius: float) -> Circle | None:
-    """Find the centre with the radius given."""
-    return _fit(sighting, circle, radius, free_radius=False)
 
 
 def _fit(sighting: Sighting, circle: Circle, radius: float, *, free_radius: bool) -> Circle | None:
     """Fit a circle to the picture kept of a sighting; places are those of the whole picture."""
     left, top = sighting.corner
     guess = (circle.x - left, circle.y - top, radius)
-    rim = find_rim(sighting.patch, guess, reach=REACH * radius + MARGIN_PX)
-    found = None if rim is None else fit_circle(rim, guess, free_radius=free_radius)
-    if found is None:
-        return None
-    return Circle(
-        x=found.x + left,
-        y=found.y + top,
-        radius=found.radius,
-        x_sd=found.x_sd,
-        y_sd=found.y_sd,
-        inliers=found.inliers,
-        arc=found.arc,
-        contrast=found.contrast,
-    )
+    reach = REACH * radius + MARGIN_PX
+    found = locate_circle(sighting.patch, guess, reach=reach, free_radius=free_radius)
+    return None if found is None else replace(found, x=found.x + left, y=found.y + top)

@@ -12,21 +12,18 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.cue_tip import CueTip, measure_tip
-from tracking.errors import RecordingError
 from tracking.flight import STANDARD_GRAVITY
-from tracking.kink import first_kink, meeting_time
-from tracking.slide import Q, Seen, path
+from tracking.free_motion import free_motion, meeting, upright
+from tracking.slide import Q, Seen, first_guess, fit_path
 from tracking.spin import PathValues, V, read_path
-from tracking.strike import ShotTrack, start_index
-from tracking.track import Track
+from tracking.strike import ShotTrack
 
 FloatArray = npt.NDArray[np.float64]
 
-FEWEST_FRAMES = 8
-MOST_REST = 60  # frames of rest that take part
-MEETING_FRAMES = 5
+LIFT_FRAMES = 5
 LIFTED = 0.025  # share by which a ball looks larger that leaves the cloth
 PERSPECTIVE = 0.04  # change of the apparent radius along the path: not seen straight from above
+OUTLINE_SD = 0.02  # an outline tells the radius no better than this share
 POOR = 0.1  # radii that the frames lie off the path, from which it is not the path of a ball on cloth
 
 
@@ -117,18 +114,25 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
     RecordingError
         If the ball is not seen at rest, or in too few frames after the strike.
     """
-    track = _upright(shot.ball)
+    track = upright(shot.ball)
     own_radius = radius if track.unit == "m" else track.radius
     gravity = STANDARD_GRAVITY * own_radius / radius
-    start, kink = _free_motion(track, gravity)
-    seen = _seen(track, slice(max(0, start - MOST_REST), None if kink is None else kink - 1), gravity)
-    told = read_path(seen, float(track.time[start - 1]), own_radius, scale_sd=scale_sd)
-    told = _without_perspective(told) if _at_an_angle(shot) else told
+    motion = free_motion(track, gravity)
+    told = read_path(
+        motion.seen,
+        motion.last_rest,
+        own_radius,
+        scale_sd=scale_sd,
+        radius_sd=0.0 if track.unit == "m" else OUTLINE_SD,
+    )
+    told = _in_perspective(motion.seen, told) if _at_an_angle(shot) else told
     values, sd = told.values, np.sqrt(np.diag(told.covariance))
     strike = float(values[V.STRIKE])
     place = told.fit.parameters[[Q.X, Q.Y]]
-    tip = None if shot.tip is None else measure_tip(_upright(shot.tip), strike, place, own_radius)
-    lift = _lift(shot, start, kink)
+    tip = None if shot.tip is None else measure_tip(upright(shot.tip), strike, place, own_radius)
+    if tip is not None and shot.perspective > PERSPECTIVE:
+        tip = replace(tip, offset=np.nan, offset_sd=np.nan)
+    lift = _lift(shot.lift[motion.start : motion.kink])
     velocity, spin = [V.VELOCITY_X, V.VELOCITY_Y], [V.SPIN_X, V.SPIN_Y]
     rolling = [V.ROLLING_X, V.ROLLING_Y]
     return Shot(
@@ -145,64 +149,19 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
         rolling_time_sd=float(sd[V.ROLLING_TIME]),
         rolling_place=values[rolling],
         rolling_place_sd=sd[rolling],
-        meeting_time=np.nan if kink is None else _meeting(track, kink, told, gravity),
+        meeting_time=meeting(track, motion, told.fit.parameters),
         tip=tip,
         lift=lift,
         jumps=lift > LIFTED,
-        frames=int(np.sum(told.fit.used & (seen.time > strike))),
+        frames=int(np.sum(told.fit.used & (motion.seen.time > strike))),
         residual=told.fit.residual,
         notes=_notes(shot, told, tip, lift, own_radius),
     )
 
 
-def _upright(track: Track) -> Track:
-    """Turn pixels so that y goes up."""
-    return track if track.unit == "m" else replace(track, y=-track.y)
-
-
-def _free_motion(track: Track, gravity: float) -> tuple[int, int | None]:
-    """Index of the first frame after the strike, and of the first after a later kink."""
-    start = start_index(track.x, track.y, track.radius)
-    if start is None:
-        raise RecordingError(
-            "the ball is not seen at rest before the strike; start the recording while it is at rest"
-        )
-    moving = slice(start, None)
-    place = np.column_stack((track.x, track.y))[moving]
-    kink = first_kink(track.time[moving], place, float(np.median(track.x_sd)), gravity)
-    free = len(place) if kink is None else kink - 1
-    if free < FEWEST_FRAMES:
-        raise RecordingError(
-            f"the ball rolls freely in {free} frames only before it meets something or leaves the picture, "
-            f"but {FEWEST_FRAMES} are needed; record more frames a second or show more of the table"
-        )
-    return start, None if kink is None else start + kink
-
-
-def _seen(track: Track, window: slice, gravity: float) -> Seen:
-    """Take the frames of a window."""
-    return Seen(
-        time=track.time[window],
-        place=np.column_stack((track.x, track.y))[window],
-        sd=np.column_stack((track.x_sd, track.y_sd))[window],
-        gravity=gravity,
-    )
-
-
-def _meeting(track: Track, kink: int, told: PathValues, gravity: float) -> float:
-    """Moment at which the ball leaves the fitted path."""
-    after = slice(kink, kink + MEETING_FRAMES)
-    time = track.time[after]
-    ends = path(told.fit.parameters, time[0] + np.array([-1e-4, 1e-4]), gravity)
-    arrival = np.array([ends.mean(axis=0), (ends[1] - ends[0]) / 2e-4])
-    interval = float(np.median(np.diff(track.time)))
-    return meeting_time(arrival, time, np.column_stack((track.x, track.y))[after], interval)
-
-
-def _lift(shot: ShotTrack, start: int, kink: int | None) -> float:
+def _lift(lift: FloatArray) -> float:
     """Largest share by which the ball looks larger than on the cloth, over a few frames in a row."""
-    lift = shot.lift[start:kink]
-    runs = np.lib.stride_tricks.sliding_window_view(lift, min(5, len(lift)))
+    runs = np.lib.stride_tricks.sliding_window_view(lift, min(LIFT_FRAMES, len(lift)))
     return float(np.median(runs, axis=1).max())
 
 
@@ -211,14 +170,15 @@ def _at_an_angle(shot: ShotTrack) -> bool:
     return shot.ball.unit == "px" and shot.perspective > PERSPECTIVE
 
 
-def _without_perspective(told: PathValues) -> PathValues:
-    """Keep the velocity in pixels only: the rest needs the plane."""
-    values, covariance = told.values.copy(), told.covariance.copy()
-    lost = [V.SPIN_X, V.SPIN_Y, V.FRICTION]
-    values[lost] = np.nan
-    covariance[lost, :] = np.nan
-    covariance[:, lost] = np.nan
-    return replace(told, values=values, covariance=covariance)
+def _in_perspective(seen: Seen, told: PathValues) -> PathValues:
+    """Keep the velocity in pixels, from whatever parabola and line are seen: the rest needs the plane."""
+    fit = fit_path(seen, first_guess(seen, float(told.values[V.STRIKE])), list(Q))
+    kept = [V.STRIKE, V.VELOCITY_X, V.VELOCITY_Y]
+    behind = [Q.STRIKE, Q.VELOCITY_X, Q.VELOCITY_Y]
+    values, covariance = np.full(len(V), np.nan), np.full((len(V), len(V)), np.nan)
+    values[kept] = fit.parameters[behind]
+    covariance[np.ix_(kept, kept)] = fit.covariance[np.ix_(behind, behind)]
+    return replace(told, values=values, covariance=covariance, fit=fit)
 
 
 def _notes(
@@ -228,10 +188,20 @@ def _notes(
     too_late = "the cue's tip is seen in too few frames before the strike; record more frames a second"
     notes = [
         (_at_an_angle(shot), "filmed at an angle: give four corners of the cloth for spin and friction"),
-        (bool(told.stage.value), told.stage.value),
+        (bool(told.stage.value) and not _at_an_angle(shot), told.stage.value),
         (shot.tip is None, shot.missing_tip),
         (shot.tip is not None and tip is None, too_late),
-        (lift > LIFTED, f"the ball leaves the cloth (it looks {lift:.1%} larger): a jump shot, not to be trusted"),
-        (told.fit.residual > POOR * radius, "the path is not that of a ball on cloth; check camera and scale"),
+        (
+            tip is not None and np.isnan(tip.offset),
+            "filmed at an angle: height and side of the cue's contact look alike, so no offset is given",
+        ),
+        (
+            lift > LIFTED,
+            f"the ball leaves the cloth (it looks {lift:.1%} larger): a jump shot, not to be trusted",
+        ),
+        (
+            told.fit.residual > POOR * radius,
+            "the path is not that of a ball on cloth; check camera and scale",
+        ),
     ]
     return tuple(note for applies, note in notes if applies)

@@ -15,14 +15,18 @@ from scipy.optimize import least_squares
 
 from tracking.cloth import Cloth, cloth_position
 from tracking.joint import OUTLIER
+from tracking.least import honest_covariance
 
 FloatArray = npt.NDArray[np.float64]
 
 ROLLING_RESISTANCE = 0.01
 """Of billiard cloths 0.005 to 0.015; short paths hardly tell it, so it is expected here ± as much again."""
 LARGEST_RESISTANCE = 0.04
+USUAL_FRICTION = 0.2
+"""Of billiard cloths, within a factor of two; it matters only for slides too short to tell it."""
 SLIDE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 0.95)
 NO_FRICTION = 1e-9
+RAYLEIGH_MEDIAN = 1.1774  # of the distance in the plane, in standard deviations of a coordinate
 
 
 class Q(IntEnum):
@@ -46,7 +50,7 @@ LINEAR = [Q.X, Q.Y, Q.VELOCITY_X, Q.VELOCITY_Y, Q.LOSS_X, Q.LOSS_Y]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What the fit sees: (n,) times in s, (n, 2) places and their standard deviations, gravity in their unit."""
+    """What the fit sees: (n,) times in s, (n, 2) places, their standard deviations, gravity in their unit."""
 
     time: FloatArray
     place: FloatArray
@@ -71,15 +75,20 @@ class PathFit:
 def path(parameters: FloatArray, time: FloatArray, gravity: float) -> FloatArray:
     """Places (n, 2) that the parameters predict."""
     loss = parameters[[Q.LOSS_X, Q.LOSS_Y]]
-    friction = float(np.hypot(*loss)) / (gravity * max(float(parameters[Q.SLIDING]), NO_FRICTION))
     cloth = Cloth(
-        friction=max(friction, NO_FRICTION),
+        friction=max(sliding_friction(parameters, gravity), NO_FRICTION),
         rolling_resistance=max(float(parameters[Q.RESISTANCE]), 0.0),
         gravity=gravity,
     )
     since = np.maximum(time - parameters[Q.STRIKE], 0.0)
     velocity = parameters[[Q.VELOCITY_X, Q.VELOCITY_Y]]
     return np.asarray(parameters[[Q.X, Q.Y]] + cloth_position(cloth, velocity, 3.5 * loss, since))
+
+
+def sliding_friction(parameters: FloatArray, gravity: float) -> float:
+    """Friction coefficient that takes away the velocity lost in the time that sliding lasts."""
+    lost = float(np.hypot(parameters[Q.LOSS_X], parameters[Q.LOSS_Y]))
+    return lost / (gravity * max(float(parameters[Q.SLIDING]), NO_FRICTION))
 
 
 def first_guess(seen: Seen, strike: float) -> FloatArray:
@@ -111,7 +120,7 @@ def fit_path(seen: Seen, start: FloatArray, free: list[Q]) -> PathFit:
     everything = np.ones(len(seen.time), dtype=bool)
     rough = _solve(seen, start, free, used=everything, robust=True)
     distance = np.hypot(*((seen.place - path(rough, seen.time, seen.gravity)) / seen.sd).T)
-    used = distance < OUTLIER * max(1.0, 1.1774**-1 * float(np.median(distance)))
+    used = distance < OUTLIER * max(1.0, float(np.median(distance)) / RAYLEIGH_MEDIAN)
     parameters = _solve(seen, rough, free, used=used, robust=False)
     return _graded(seen, parameters, free, used)
 
@@ -142,43 +151,27 @@ def _with(start: FloatArray, free: list[Q], values: FloatArray) -> FloatArray:
 
 
 def _residuals(seen: Seen, parameters: FloatArray, used: npt.NDArray[np.bool_]) -> FloatArray:
-    """Distances from the path in standard deviations, and of the rolling resistance from what cloths have."""
+    """Distances from the path, and of both resistances from what cloths have, in standard deviations."""
     apart = (seen.place[used] - path(parameters, seen.time[used], seen.gravity)) / seen.sd[used]
-    expected = (parameters[Q.RESISTANCE] - ROLLING_RESISTANCE) / ROLLING_RESISTANCE
-    return np.append(apart.ravel(), expected)
+    rolling = (parameters[Q.RESISTANCE] - ROLLING_RESISTANCE) / ROLLING_RESISTANCE
+    friction = sliding_friction(parameters, seen.gravity)
+    sliding = np.log2(max(friction, NO_FRICTION) / USUAL_FRICTION) if friction > 0 else 0.0
+    return np.concatenate((apart.ravel(), [rolling, sliding]))
 
 
-def _graded(
-    seen: Seen, parameters: FloatArray, free: list[Q], used: npt.NDArray[np.bool_]
-) -> PathFit:
+def _graded(seen: Seen, parameters: FloatArray, free: list[Q], used: npt.NDArray[np.bool_]) -> PathFit:
     """Judge a fit by its residuals."""
-    residuals = _residuals(seen, parameters, used)
-    excess = max(1.0, float(residuals @ residuals) / max(len(residuals) - len(free), 1)) * _memory(residuals)
-    slope = np.empty((len(residuals), len(free)))
-    steps = 1e-6 * np.maximum(np.abs(parameters), 1e-3)
-    for column, place in enumerate(free):
-        step = np.zeros(len(Q))
-        step[place] = steps[place]
-        change = _residuals(seen, parameters + step, used) - _residuals(seen, parameters - step, used)
-        slope[:, column] = change / (2 * steps[place])
+
+    def residuals(values: FloatArray) -> FloatArray:
+        return _residuals(seen, _with(parameters, free, values), used)
+
     covariance = np.zeros((len(Q), len(Q)))
-    size = np.maximum(np.linalg.norm(slope, axis=0), 1e-300)
-    inverse = np.linalg.pinv((slope / size).T @ (slope / size), rcond=1e-12)
-    covariance[np.ix_(free, free)] = inverse / np.outer(size, size) * excess
+    covariance[np.ix_(free, free)] = honest_covariance(residuals, parameters[free], int(used.sum()))
     distance = seen.place[used] - path(parameters, seen.time[used], seen.gravity)
     return PathFit(
         parameters=parameters,
         covariance=covariance,
-        chi_square=float(residuals @ residuals),
+        chi_square=float(np.sum(residuals(parameters[free]) ** 2)),
         residual=float(np.sqrt(np.mean(np.sum(distance**2, axis=1)))),
         used=used,
     )
-
-
-def _memory(residuals: FloatArray) -> float:
-    """How many times fewer independent frames there are, from the correlation of neighbours: (1+r)/(1-r)."""
-    apart = residuals[:-1].reshape(-1, 2)
-    squares = float(np.sum(apart**2))
-    correlation = float(np.sum(apart[1:] * apart[:-1])) / squares if squares > 0 else 0.0
-    correlation = min(max(correlation, 0.0), 0.9)
-    return (1 + correlation) / (1 - correlation)

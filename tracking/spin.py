@@ -10,13 +10,25 @@ from enum import Enum, IntEnum
 import numpy as np
 import numpy.typing as npt
 
-from tracking.slide import ROLLING_ONLY, SLIDING_ONLY, PathFit, Q, Seen, first_guess, fit_path, path
+from tracking.least import slopes
+from tracking.slide import (
+    ROLLING_ONLY,
+    SLIDING_ONLY,
+    USUAL_FRICTION,
+    PathFit,
+    Q,
+    Seen,
+    first_guess,
+    fit_path,
+    path,
+    sliding_friction,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
 SLIDES = 16.0  # gain in chi-square that shows sliding (three parameters more)
 ROLLS = 9.0  # gain in chi-square that shows the end of sliding (one parameter more)
-USUAL_FRICTION = 0.2
+LEAST_FRICTION = 0.06  # billiard cloths have 0.1 to 0.4; what slows a ball less than this is rolling
 
 
 class Stage(Enum):
@@ -48,12 +60,13 @@ UNTOLD = {
     Stage.ROLLS_AT_ONCE: [V.FRICTION],
     Stage.SLIDES_THROUGHOUT: [V.SPIN_X, V.SPIN_Y, V.ROLLING_TIME, V.ROLLING_X, V.ROLLING_Y],
 }
-SCALED = [V.VELOCITY_X, V.VELOCITY_Y, V.SPIN_X, V.SPIN_Y, V.FRICTION]
+BY_RADIUS = [V.SPIN_X, V.SPIN_Y, V.FRICTION]
+SCALED = [V.VELOCITY_X, V.VELOCITY_Y, *BY_RADIUS]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathValues:
-    """Values (indexed by `V`), their covariance (NaN where untold), the stage seen and the fit behind them."""
+    """Values (indexed by `V`), their covariance (NaN where untold), the stage seen, and the fit."""
 
     values: FloatArray
     covariance: FloatArray
@@ -61,7 +74,9 @@ class PathValues:
     fit: PathFit
 
 
-def read_path(seen: Seen, strike: float, radius: float, *, scale_sd: float = 0.0) -> PathValues:
+def read_path(
+    seen: Seen, strike: float, radius: float, *, scale_sd: float = 0.0, radius_sd: float = 0.0
+) -> PathValues:
     """Fit the path and read from it what it tells.
 
     Parameters
@@ -73,18 +88,22 @@ def read_path(seen: Seen, strike: float, radius: float, *, scale_sd: float = 0.0
     radius : float
         Of the ball, in the unit of `seen`.
     scale_sd : float
-        Relative standard uncertainty of that unit.
+        Relative standard uncertainty of lengths.
+    radius_sd : float
+        Relative standard uncertainty of the radius, where the unit itself comes from it.
     """
     stage, fit = _best_stage(seen, first_guess(seen, strike))
     values = _values(fit.parameters, seen.gravity, radius)
-    slope = _slopes(fit.parameters, seen.gravity, radius)
+    slope = slopes(lambda parameters: _values(parameters, seen.gravity, radius), fit.parameters)
+    slope = np.nan_to_num(slope)
     covariance = slope @ fit.covariance @ slope.T
     if stage is Stage.ROLLS_AT_ONCE:  # a slide shorter than a frame would not be seen
         hidden = USUAL_FRICTION * seen.gravity * float(np.median(np.diff(seen.time))) * 3.5 / radius
         covariance[[V.SPIN_X, V.SPIN_Y], [V.SPIN_X, V.SPIN_Y]] += hidden**2
-    scaled = np.zeros(len(V))
-    scaled[SCALED] = values[SCALED] * scale_sd
-    covariance += np.outer(scaled, scaled)
+    for share, which in ((scale_sd, SCALED), (radius_sd, BY_RADIUS)):
+        common = np.zeros(len(V))
+        common[which] = values[which] * share
+        covariance += np.outer(common, common)
     untold = UNTOLD[stage]
     values[untold] = np.nan
     covariance[untold, :] = np.nan
@@ -95,22 +114,27 @@ def read_path(seen: Seen, strike: float, radius: float, *, scale_sd: float = 0.0
 def _best_stage(seen: Seen, start: FloatArray) -> tuple[Stage, PathFit]:
     """Take the fullest description that the path calls for."""
     full = fit_path(seen, start, list(Q))
-    kept = replace(seen, time=seen.time[full.used], place=seen.place[full.used], sd=seen.sd[full.used])
-    scale = max(1.0, full.chi_square / max(2 * int(full.used.sum()) - len(Q), 1))
     rolling = start.copy()
     rolling[[Q.LOSS_X, Q.LOSS_Y]] = 0
+    if sliding_friction(full.parameters, seen.gravity) < LEAST_FRICTION:
+        return Stage.ROLLS_AT_ONCE, fit_path(seen, rolling, ROLLING_ONLY)
+    kept = replace(seen, time=seen.time[full.used], place=seen.place[full.used], sd=seen.sd[full.used])
+    scale = max(1.0, full.chi_square / max(2 * len(kept.time) - len(Q), 1))
     rolls = fit_path(kept, rolling, ROLLING_ONLY)
     if rolls.used.all() and (rolls.chi_square - full.chi_square) / scale < SLIDES:
         return Stage.ROLLS_AT_ONCE, rolls
-    total = float(seen.time[-1] - full.parameters[Q.STRIKE])
-    sliding = full.parameters.copy()
-    sliding[[Q.LOSS_X, Q.LOSS_Y]] *= total / max(float(sliding[Q.SLIDING]), 1e-3)
-    sliding[Q.SLIDING] = 2 * total
-    sliding[[Q.LOSS_X, Q.LOSS_Y]] *= 2
-    slides = fit_path(kept, sliding, SLIDING_ONLY)
+    slides = fit_path(kept, _never_rolling(seen, full.parameters), SLIDING_ONLY)
     if slides.used.all() and (slides.chi_square - full.chi_square) / scale < ROLLS:
         return Stage.SLIDES_THROUGHOUT, slides
     return Stage.SLIDES_THEN_ROLLS, full
+
+
+def _never_rolling(seen: Seen, parameters: FloatArray) -> FloatArray:
+    """Let the sliding go on beyond the last frame, with the same deceleration."""
+    longer = parameters.copy()
+    longer[Q.SLIDING] = 2 * (seen.time[-1] - parameters[Q.STRIKE])
+    longer[[Q.LOSS_X, Q.LOSS_Y]] *= longer[Q.SLIDING] / max(float(parameters[Q.SLIDING]), 1e-3)
+    return longer
 
 
 def _values(parameters: FloatArray, gravity: float, radius: float) -> FloatArray:
@@ -121,22 +145,8 @@ def _values(parameters: FloatArray, gravity: float, radius: float) -> FloatArray
     values = np.full(len(V), np.nan)
     values[[V.VELOCITY_X, V.VELOCITY_Y]] = velocity
     values[[V.SPIN_X, V.SPIN_Y]] = (slip[1] - velocity[1]) / radius, (velocity[0] - slip[0]) / radius
-    values[V.FRICTION] = float(np.hypot(*loss)) / (gravity * sliding) if sliding else np.nan
+    values[V.FRICTION] = sliding_friction(parameters, gravity) if sliding else np.nan
     values[V.STRIKE] = parameters[Q.STRIKE]
     values[V.ROLLING_TIME] = parameters[Q.STRIKE] + sliding
     values[[V.ROLLING_X, V.ROLLING_Y]] = path(parameters, values[[V.ROLLING_TIME]], gravity)[0]
     return values
-
-
-def _slopes(parameters: FloatArray, gravity: float, radius: float) -> FloatArray:
-    """Change of the values with the parameters, by central differences."""
-    columns = []
-    for place in Q:
-        step = np.zeros(len(Q))
-        step[place] = 1e-6 * max(abs(float(parameters[place])), 1e-3)
-        if place in (Q.LOSS_X, Q.LOSS_Y) and not np.any(parameters[[Q.LOSS_X, Q.LOSS_Y]]):
-            columns.append(np.zeros(len(V)))
-            continue
-        upper, lower = (_values(parameters + sign * step, gravity, radius) for sign in (1, -1))
-        columns.append((upper - lower) / (2 * step[place]))
-    return np.column_stack(columns)

@@ -7,8 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.errors import RecordingError
-from tracking.follow import Sighting, follow
-from tracking.movers import Mover, find_movers
+from tracking.follow import Sighting, moving_balls
 from tracking.outline import Outlines, trace_outlines
 from tracking.scale import Scale, to_metres
 from tracking.tip import track_tip
@@ -17,10 +16,8 @@ from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
 
-MOST_MOVERS = 8
 STARTED = 0.25  # radii from its place of rest: the ball has been struck
 REST_FRAMES = 3
-SHARP = 0.03  # a ball's rim is located better than this share of its radius
 TOGETHER = 2.5  # frames within which two balls start together
 
 
@@ -69,12 +66,13 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
     RecordingError
         If no ball starts to move, if it moves already at the beginning, or if two start together.
     """
-    balls = _moving_balls(recording)
+    balls = moving_balls(recording)
     name = recording.path.name
     if not balls:
         raise RecordingError(
-            f"{name}: no ball found that starts to move; film the cloth from above with the ball whole, in focus "
-            "and at least 10 px wide, and with more frames a second if it moves further than its width between two"
+            f"{name}: no ball found that starts to move; film the cloth from above with the ball whole, in "
+            "focus and at least 10 px wide, and with more frames a second if it goes further than twice its "
+            "width from one to the next"
         )
     struck = {start: ball for ball in balls if (start := _start(ball)) is not None}
     if not struck:
@@ -110,34 +108,6 @@ def start_index(x: FloatArray, y: FloatArray, radius: float) -> int | None:
     return int(moved[0])
 
 
-def _moving_balls(recording: Recording) -> list[list[Sighting]]:
-    """Follow each round thing that moves, once."""
-    balls: list[list[Sighting]] = []
-    for mover in find_movers(recording)[:MOST_MOVERS]:
-        if not any(_same(mover, ball) for ball in balls):
-            ball = follow(recording, mover)
-            if len(ball) >= 2 * REST_FRAMES and _is_sharp(ball):
-                balls.append(ball)
-    return balls
-
-
-def _same(mover: Mover, ball: Sequence[Sighting]) -> bool:
-    """Tell whether a mover is a ball already followed."""
-    places = {sighting.frame: sighting.circle for sighting in ball}
-    shared = [
-        np.hypot(blob.x - places[frame].x, blob.y - places[frame].y) < 1.5 * places[frame].radius
-        for frame, blob in zip(mover.frames, mover.blobs, strict=True)
-        if frame in places
-    ]
-    return len(shared) > len(mover.frames) / 2 and float(np.mean(shared)) > 0.5
-
-
-def _is_sharp(ball: Sequence[Sighting]) -> bool:
-    """Tell a ball's rim from what a hand shows by chance."""
-    share = [max(s.circle.x_sd, s.circle.y_sd) / s.circle.radius for s in ball]
-    return float(np.median(share)) < SHARP
-
-
 def _start(ball: Sequence[Sighting]) -> int | None:
     """Give the number of the frame in which a ball starts to move."""
     x, y = np.array([(s.circle.x, s.circle.y) for s in ball]).T
@@ -145,19 +115,19 @@ def _start(ball: Sequence[Sighting]) -> int | None:
     return None if index is None else ball[index].frame
 
 
-def _choose(
-    struck: dict[int, list[Sighting]], recording: Recording, start_px: Sequence[float] | None
-) -> int:
+def _choose(struck: dict[int, list[Sighting]], recording: Recording, start_px: Sequence[float] | None) -> int:
     """Give the start of the ball that moves first, or of the one that was named."""
     places = {start: (ball[0].circle.x, ball[0].circle.y) for start, ball in struck.items()}
     if start_px is not None:
-        return min(places, key=lambda start: np.hypot(places[start][0] - start_px[0], places[start][1] - start_px[1]))
+        return min(
+            places, key=lambda start: np.hypot(places[start][0] - start_px[0], places[start][1] - start_px[1])
+        )
     first, *later = sorted(places)
     if later and later[0] - first < TOGETHER:
         at = " and ".join(f"({places[s][0]:.0f}, {places[s][1]:.0f})" for s in (first, later[0]))
         raise RecordingError(
-            f"{recording.path.name}: two balls start to move together, at {at} px; say with start_px where the "
-            "struck one rests, or film one ball alone"
+            f"{recording.path.name}: two balls start to move together, at {at} px; say with start_px where "
+            "the struck one rests, or film one ball alone"
         )
     return first
 

@@ -1,7 +1,7 @@
 """The tip of the cue on its way to the ball: the front end of what differs from the free cloth, along a line.
 
 The frames just before the strike show the same cue further and further ahead. Against the frame in which it
-is furthest back each shows the stretch that it has advanced: the stretch gives the line, its front end the tip.
+is furthest back each shows the stretch that it has advanced: its middle is the line, its front end the tip.
 """
 
 from dataclasses import dataclass, replace
@@ -100,7 +100,7 @@ def _apart(image: Image, other: Image, centre: FloatArray, radius: float) -> Flo
 
 
 def _furthest_back(frames: list[Frame], centre: FloatArray, radius: float) -> int:
-    """Number of the frame that differs most from the last one: the cue is drawn back."""
+    """Find the frame that differs most from the last one: the cue is drawn back."""
     last = frames[-1].image
     areas = [
         np.count_nonzero(_apart(frame.image, last, centre, radius) > 2 * LEAST_LEVEL) for frame in frames[:-1]
