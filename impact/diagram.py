@@ -12,7 +12,7 @@ from impact._checks import require_within
 from impact.collision import Collision, ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.evolve import evolve
-from impact.kernel import Core, compiled
+from impact.kernel import Core, compiled, compiled_allocating
 from impact.record import STATES, Record, new_record, open_state, room_needed
 from impact.scaling import Task, new_core, new_task, settle_accounts
 from impact.system import ImpactSystem
@@ -50,7 +50,7 @@ def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     return FINISHED
 
 
-@compiled
+@compiled_allocating
 def run(task: Task, record: Record, most_states: int) -> int:
     """Scale one task, follow the diagram, and write the results back in SI units."""
     core = new_core(task)

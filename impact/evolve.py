@@ -16,7 +16,6 @@ from impact.kernel import (
     SPEED_FLOOR,
     Core,
     compiled,
-    inlined,
     slope_at,
     value_at,
 )
@@ -82,13 +81,13 @@ def first_event(core: Core, step: float, parts: int) -> float:
     return first
 
 
-@inlined
+@compiled
 def margin(core: Core, index: int, time: float) -> float:
     """How far a contact is from leaving its phase or mode, at a time from now; positive while it stays."""
     return min(phase_margin(core, index, time), mode_margin(core, index, time))
 
 
-@inlined
+@compiled
 def phase_margin(core: Core, index: int, time: float) -> float:
     """How far a contact is from leaving its phase."""
     normal_velocity = value_at(core.velocities, index * core.rows, time)
@@ -100,7 +99,7 @@ def phase_margin(core: Core, index: int, time: float) -> float:
     return min(normal_velocity + SPEED_FLOOR, remaining(core, index, time))
 
 
-@inlined
+@compiled
 def mode_margin(core: Core, index: int, time: float) -> float:
     """How far a contact is from leaving its mode of friction."""
     if core.rows == 1 or core.contacts[index].phase == INACTIVE:
@@ -108,7 +107,7 @@ def mode_margin(core: Core, index: int, time: float) -> float:
     return friction_margin(core, index, time)
 
 
-@inlined
+@compiled
 def remaining(core: Core, index: int, time: float) -> float:
     """How far an active contact is from the end of its restitution."""
     contact = core.contacts[index]

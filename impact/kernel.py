@@ -19,10 +19,13 @@ from impact.contact import ContactMode, Phase
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-compiled = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy"))
-"""Compile a function to machine code on first call and keep the code on disk."""
-inlined = cast(Callable[[Function], Function], numba.njit(cache=True, inline="always", error_model="numpy"))
-"""Compile into the caller: for short functions of the inner loop, where a call costs more than the work."""
+compiled = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy", _nrt=False))
+"""Compile a function to machine code on first call and keep the code on disk.
+
+It goes without reference counts (`_nrt`), which cost more than the work; so it must not create arrays.
+"""
+compiled_allocating = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy"))
+"""The same for a function that creates arrays."""
 compiled_parallel = cast(
     Callable[[Function], Function], numba.njit(cache=True, parallel=True, error_model="numpy")
 )
@@ -88,7 +91,7 @@ def elastic_energy(core: Core, index: int) -> float:
     return float(contact.stiffness * max(contact.compression, 0.0) ** power / power)
 
 
-@inlined
+@compiled
 def value_at(series: Array, row: int, time: float) -> float:
     """Value of one series of a table at σ = `time`, by Horner's rule."""
     total = 0.0
@@ -97,7 +100,7 @@ def value_at(series: Array, row: int, time: float) -> float:
     return total
 
 
-@inlined
+@compiled
 def slope_at(series: Array, row: int, time: float) -> float:
     """Slope of one series of a table at σ = `time`."""
     total = 0.0

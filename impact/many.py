@@ -15,7 +15,7 @@ from impact.collision import ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.diagram import FINISHED, run
 from impact.drop import TwoBallDrop
-from impact.kernel import compiled, compiled_parallel, parallel_range
+from impact.kernel import compiled_allocating, compiled_parallel, parallel_range
 from impact.record import STATES, Integers, Record
 from impact.scaling import Task
 from impact.shot import CueShot
@@ -204,7 +204,7 @@ def _run_with_room(
         room = longest
 
 
-@compiled
+@compiled_allocating
 def _run_row(rows: Rows, row: int) -> None:
     room = rows.active.shape[1]
     record = Record(

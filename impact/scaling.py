@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from impact._checks import Array
 from impact.contact import RestitutionLaw
-from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled
+from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled, compiled_allocating
 
 if TYPE_CHECKING:
     from impact.system import ImpactSystem
@@ -52,7 +52,7 @@ def new_task(system: ImpactSystem, law: RestitutionLaw, tolerance: float) -> Tas
     )
 
 
-@compiled
+@compiled_allocating
 def new_core(task: Task) -> Core:
     """Scale a task and lay out what the kernel works on."""
     count = task.contacts.size

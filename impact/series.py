@@ -15,7 +15,7 @@ import math
 
 from impact._checks import Array
 from impact.friction import friction_terms
-from impact.kernel import INACTIVE, ORDER, Core, compiled, inlined
+from impact.kernel import INACTIVE, ORDER, Core, compiled
 
 FOOT = 1e-5
 """Below this depth a Hertzian spring is taken as linear, since ``δ**1.5`` has no series at δ = 0.
@@ -62,7 +62,7 @@ def _load(core: Core) -> None:
         core.velocities[row, 0] = core.velocity[row]
 
 
-@inlined
+@compiled
 def spring_force(core: Core, index: int, depth: float) -> float:
     """Force ``k δ**η`` of the virtual spring at a depth."""
     contact = core.contacts[index]
@@ -73,7 +73,7 @@ def spring_force(core: Core, index: int, depth: float) -> float:
     return float(contact.stiffness * depth**contact.exponent)
 
 
-@inlined
+@compiled
 def _force_term(core: Core, index: int, order: int) -> float:
     """One term of the normal force."""
     contact = core.contacts[index]
