@@ -16,9 +16,8 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 8
 _ARRIVED = 1e-3  # a search has arrived when its next step promises less gain of chi-square than this
-_STUCK = 0.02  # a search stands at a jump when this much was promised and could not be had
 _OUT_OF_REACH = 100.0  # a search this far above the smallest chi-square is given up
-_NEAR = 12.0  # jumps are followed only by searches this close to the smallest chi-square
+_NEAR = 50.0  # jumps are followed only by searches this close to the smallest chi-square
 _COMPASS = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
 
 
@@ -50,10 +49,22 @@ class Trace:
             chi_square=np.concatenate([self.chi_square, other.chi_square])[order],
         )
 
+    def improved(self, rows: NDArray[np.int64], other: "Trace") -> "Trace":
+        """Replace those of some rows that another search over the same ratios did better."""
+        better = other.chi_square < self.chi_square[rows]
+        restitutions, chi_square = self.restitutions.copy(), self.chi_square.copy()
+        restitutions[rows[better]], chi_square[rows[better]] = (
+            other.restitutions[better],
+            other.chi_square[better],
+        )
+        return Trace(log_ratio=self.log_ratio, restitutions=restitutions, chi_square=chi_square)
+
 
 def search(misfit: Misfit, log_ratio: Array) -> Trace:
     """Descend, at every ratio, from the two best of a net of plausible restitutions."""
     seeds = misfit.likely_restitutions()
+    if len(seeds) == 1:
+        return descend(misfit, log_ratio, np.tile(seeds, (len(log_ratio), 1)))
     net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
     ranking = np.argsort(net.reshape(len(log_ratio), -1), axis=1)
     return best_of([descend(misfit, log_ratio, seeds[ranking[:, place]]) for place in range(2)])
@@ -70,7 +81,7 @@ def best_of(traces: Sequence[Trace]) -> Trace:
     )
 
 
-def descend(misfit: Misfit, log_ratio: Array, start: Array) -> Trace:
+def descend(misfit: Misfit, log_ratio: Array, start: Array, ceiling: Array | float = np.inf) -> Trace:
     """Go downhill over the restitutions from a start at each of several fixed ratios.
 
     Parameters
@@ -81,33 +92,35 @@ def descend(misfit: Misfit, log_ratio: Array, start: Array) -> Trace:
         Fixed, natural logarithm.
     start : ndarray (G, 2)
         Ball-ball and ball-table restitution; kept within [0, 1] throughout.
+    ceiling : ndarray (G,) or float
+        Chi-square already found elsewhere; a search that does not promise to get below is given up.
 
     Returns
     -------
     Trace
-        Where each search ended. Those far above the best of them are given up on the way.
+        Where each search ended. Those far above the best of them are given up, too.
     """
     at = np.clip(start, 0.0, 1.0)
     residuals = misfit.residuals(log_ratio, at)
-    damping, promised = np.full(len(at), 1e-3), np.zeros(len(at))
+    ceiling = np.broadcast_to(ceiling, len(at))
+    damping = np.full(len(at), 1e-3)
     going = np.arange(len(at))
     for _ in range(_ROUNDS):
         slopes = jacobian(misfit, log_ratio[going], at[going], residuals[going])
-        step, promised[going] = _step(slopes, residuals[going], damping[going])
-        trial = np.clip(at[going] + step, 0.0, 1.0)
-        after = misfit.residuals(log_ratio[going], trial)
-        gain = _squared(residuals[going]) - _squared(after)
-        better = gain > 0
-        at[going[better]], residuals[going[better]] = trial[better], after[better]
-        damping[going] *= np.where(better, 0.1, 30.0)
-        moving = promised[going] > _ARRIVED
-        promised[going] -= np.maximum(gain, 0.0)
-        chi_square = _squared(residuals)
-        going = going[moving & (chi_square[going] < chi_square.min() + _OUT_OF_REACH)]
+        step, promised = _step(slopes, residuals[going], damping[going])
+        worth = (promised > _ARRIVED) & (_squared(residuals[going]) - promised < ceiling[going])
+        going, step = going[worth], step[worth]
         if not going.size:
             break
+        trial = np.clip(at[going] + step, 0.0, 1.0)
+        after = misfit.residuals(log_ratio[going], trial)
+        better = _squared(after) < _squared(residuals[going])
+        at[going[better]], residuals[going[better]] = trial[better], after[better]
+        damping[going] *= np.where(better, 0.1, 30.0)
+        chi_square = _squared(residuals)
+        going = going[chi_square[going] < chi_square.min() + _OUT_OF_REACH]
     trace = Trace(log_ratio=log_ratio, restitutions=at, chi_square=_squared(residuals))
-    return _along_jumps(misfit, trace, promised > _STUCK)
+    return _along_jumps(misfit, trace, going)
 
 
 def jacobian(misfit: Misfit, log_ratio: Array, restitutions: Array, residuals: Array) -> Array:
@@ -130,9 +143,9 @@ def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array
     return np.linalg.solve(damped, downhill[..., None])[..., 0], np.einsum("ni,ni->n", downhill, full)
 
 
-def _along_jumps(misfit: Misfit, trace: Trace, stuck: NDArray[np.bool_]) -> Trace:
-    """Compass search for the searches that stand at a jump, where there is no slope to follow."""
-    rows = np.flatnonzero(stuck & (trace.chi_square < trace.chi_square.min() + _NEAR))
+def _along_jumps(misfit: Misfit, trace: Trace, rows: NDArray[np.int64]) -> Trace:
+    """Compass search for those that did not arrive: they stand at a jump, where no slope leads on."""
+    rows = rows[trace.chi_square[rows] < trace.chi_square.min() + _NEAR]
     if not rows.size:
         return trace
     at, lowest = trace.restitutions[rows], trace.chi_square[rows]
@@ -146,9 +159,7 @@ def _along_jumps(misfit: Misfit, trace: Trace, stuck: NDArray[np.bool_]) -> Trac
         at = np.where(better[:, None], tries[np.arange(len(rows)), choice], at)
         lowest = np.minimum(lowest, chi_square.min(axis=1))
         radius *= np.where(better, 1.5, 0.4)[:, None, None]
-    restitutions, chi_square = trace.restitutions.copy(), trace.chi_square.copy()
-    restitutions[rows], chi_square[rows] = at, lowest
-    return Trace(log_ratio=trace.log_ratio, restitutions=restitutions, chi_square=chi_square)
+    return trace.improved(rows, Trace(log_ratio=trace.log_ratio[rows], restitutions=at, chi_square=lowest))
 
 
 def _squared(residuals: Array) -> Array:

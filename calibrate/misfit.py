@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from calibrate.model import LINEAR, rebound_ratios
 from calibrate.repeats import Repeats
@@ -91,5 +90,4 @@ class Misfit:
 def _plausible(drops: Repeats | None) -> Array:
     if drops is None:
         return np.linspace(0.04, 1.0, 13)
-    spread = stats.t.ppf(stats.norm.cdf([-1.5, 0, 1.5]), drops.degrees_of_freedom) * drops.mean_sd()
-    return np.unique(np.clip(drops.means[0, 0] + spread, 0.0, 1.0))
+    return np.array([drops.means[0, 0]])

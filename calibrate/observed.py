@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 _SAME_MASS_RATIO = 0.01  # mass ratios this close (relative) count as one mass pair
 _OUTLIER = 0.01  # chance that a harmless set of repeats loses a trial
+_SPARE_REPEATS = 4  # of three trials two often agree by chance: that does not make the third an outlier
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +128,7 @@ def _speed_ratios(rows: pd.DataFrame, columns: list[str]) -> tuple[Array, Array]
 
 
 def mass_ratio_groups(rows: pd.DataFrame) -> NDArray[np.int64]:
-    """Number the mass pairs 0 … J-1 in rising order of upper over lower mass, one number for each row."""
+    """Give each row the number of its mass pair, 0 … J-1 in rising order of upper over lower mass."""
     ratio = _mass_ratio(rows)
     order = np.argsort(ratio)
     steps = np.diff(np.log(ratio[order]), prepend=np.log(ratio[order[0]]))
@@ -159,7 +160,7 @@ def _condensed(rows: pd.DataFrame, ratios: Array, stated: Array, groups: NDArray
 def _outlier(repeats: Repeats) -> int | None:
     """Find the trial farthest from its repeats if chance hardly puts any so far (Wilks' outlier test)."""
     freedom, channels = repeats.degrees_of_freedom, repeats.means.shape[1]
-    if not freedom > channels or not np.isfinite(freedom):
+    if not np.isfinite(freedom) or freedom < _SPARE_REPEATS + channels:
         return None
     share = np.minimum(repeats.deviations**2 / freedom, 1 - 1e-12)
     farness = share / (1 - share) * (freedom - channels) / channels

@@ -21,8 +21,12 @@ Array = NDArray[np.float64]
 
 LEVELS = (0.68, 0.95)
 RATIO_LIMITS = (1e-3, 1e3)
-_GRID_POINTS = 100
+_GRID_POINTS = 160
+_MOST_ROUNDS = 10
+_ELSEWHERE = 2e-3  # restitutions farther apart than this belong to different searches
+_MAY_BE_DEEP = 100.0  # how far above the smallest chi-square a minimum of the grid is still followed down
 _WORTH_A_LOOK = 12.0  # how far above the smallest chi-square the profile is still followed closely
+_FINEST_SPACING = 0.02  # of the profile as a curve, in the logarithm
 _EDGE_PRECISION = 2e-3  # of an interval's edge, relative
 _SAME_INTERVAL = 0.02  # intervals closer than this (relative) are one: no experiment tells them apart
 
@@ -82,10 +86,10 @@ def trace_profile(misfit: Misfit) -> Profile:
     Profile
         With the edges of its 68 % and 95 % sets located to two parts in a thousand.
     """
-    trace = search(misfit, _grid())
-    trace = _ask_neighbours(misfit, trace)
-    for _ in range(2):
-        trace = _finer(misfit, trace, _worth_a_look(trace))
+    trace = _spread(misfit, search(misfit, _grid()))
+    for _ in range(3):
+        trace = _finer(misfit, trace, _beside_minima(trace))
+    trace = _spread(misfit, _finer(misfit, trace, _worth_a_look(trace)))
     basins = refined_basins(misfit, trace, _WORTH_A_LOOK)
     trace = trace.merged(_as_trace(basins))
     for level in LEVELS:
@@ -146,23 +150,49 @@ def _grid() -> Array:
     return np.unique(np.concatenate([np.linspace(low, high, _GRID_POINTS), even_in_root]))
 
 
-def _ask_neighbours(misfit: Misfit, trace: Trace) -> Trace:
-    """Let every ratio try where its neighbours ended, so that a basin once found is followed to its end."""
-    neighbours = [np.roll(trace.restitutions, shift, axis=0) for shift in (1, -1)]
-    return best_of([trace, *(descend(misfit, trace.log_ratio, start) for start in neighbours)])
+def _spread(misfit: Misfit, trace: Trace) -> Trace:
+    """Let ratios try where better neighbours ended, until a basin once found is followed to its end."""
+    for _ in range(_MOST_ROUNDS):
+        before = trace.chi_square
+        for shift in (1, -1):
+            neighbour = np.roll(trace.restitutions, shift, axis=0)
+            better = np.roll(trace.chi_square, shift) < trace.chi_square
+            elsewhere = np.abs(neighbour - trace.restitutions).max(axis=1) > _ELSEWHERE
+            asked = np.flatnonzero(
+                better & elsewhere & (trace.chi_square < trace.chi_square.min() + _MAY_BE_DEEP)
+            )
+            if asked.size:
+                found = descend(
+                    misfit, trace.log_ratio[asked], neighbour[asked], trace.chi_square[asked] - 0.02
+                )
+                trace = trace.improved(asked, found)
+        if np.all(trace.chi_square > before - 0.01):
+            break
+    return trace
+
+
+def _beside_minima(trace: Trace) -> NDArray[np.bool_]:
+    """Gaps on both sides of a local minimum, which may be far deeper than the grid has seen."""
+    walled = np.concatenate([[np.inf], trace.chi_square, [np.inf]])
+    lowest = (trace.chi_square <= walled[:-2]) & (trace.chi_square <= walled[2:])
+    lowest &= trace.chi_square < trace.chi_square.min() + _MAY_BE_DEEP
+    return np.asarray((lowest[:-1] | lowest[1:]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION))
 
 
 def _worth_a_look(trace: Trace) -> NDArray[np.bool_]:
     lower = np.minimum(trace.chi_square[:-1], trace.chi_square[1:])
-    return np.asarray(lower < trace.chi_square.min() + _WORTH_A_LOOK)
+    wide = np.diff(trace.log_ratio) > _FINEST_SPACING
+    return np.asarray((lower < trace.chi_square.min() + _WORTH_A_LOOK) & wide)
 
 
 def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
     """Add the middle of the chosen gaps."""
     left = np.flatnonzero(gaps)
+    if not left.size:
+        return trace
     middle = (trace.log_ratio[left] + trace.log_ratio[left + 1]) / 2
     neighbours = [descend(misfit, middle, trace.restitutions[side]) for side in (left, left + 1)]
-    return trace.merged(best_of([*neighbours, search(misfit, middle)]))
+    return trace.merged(best_of(neighbours))
 
 
 def _with_edges(misfit: Misfit, trace: Trace, rise: float) -> Trace:
