@@ -39,6 +39,8 @@ def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
     def guarded(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
         try:
             function(*args, **kwargs)
+        except typer.Exit:
+            raise
         except OSError as error:
             fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         except (ValueError, RuntimeError) as error:
@@ -193,11 +195,12 @@ def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bo
     from experiments import console
     from experiments.process import process as process_trials
 
-    typer.echo(console.HEADER)
+    headline, width = console.header(trial.name for trial in trials)
+    typer.echo(headline)
     failed = 0
     done = process_trials(trials, out, workers=workers or cores())
     for measured in console.progress(done, len(trials), "measuring", quiet=quiet):
-        for line in console.impact_lines(measured):
+        for line in console.impact_lines(measured, width):
             typer.echo(line)
         for line in () if quiet else console.complaints(measured):
             typer.echo(line, err=True)

@@ -8,9 +8,12 @@ from experiments.process import Measured
 
 Item = TypeVar("Item")
 
-HEADER = (
-    f"{'trial':<24} {'kind':<6} {'n':>2}  {'before':>9} {'after':>9} {'lower':>9}  {'gravity':>7}  status"
-)
+
+def header(names: Iterable[str]) -> tuple[str, int]:
+    """Headline of the table of impacts, and the width of its first column."""
+    width = max(map(len, (*names, "trial")))
+    columns = f"{'kind':<6} {'n':>2}  {'before':>9} {'after':>9} {'lower':>9}  {'gravity':>7}  status"
+    return f"{'trial':<{width}}  {columns}", width
 
 
 def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> Iterator[Item]:
@@ -24,13 +27,13 @@ def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> It
     yield from track(items, description=what, total=total, console=Console(stderr=True), transient=True)
 
 
-def impact_lines(measured: Measured) -> Iterator[str]:
-    """One line for each impact of a trial: velocities in m/s, gravity check, status."""
+def impact_lines(measured: Measured, width: int) -> Iterator[str]:
+    """Give one line for each impact of a trial: velocities in m/s, gravity check, status."""
     for row in measured.rows:
         names = ("approach", "upper_rebound", "lower_rebound")
         velocities = " ".join(f"{_number(row.get(f'{name}_velocity')):>9}" for name in names)
         trial, check = measured.trial, _number(row.get("gravity_check"))
-        start = f"{trial.name:<24} {trial.kind:<6} {row['impact']:>2}"
+        start = f"{trial.name:<{width}}  {trial.kind:<6} {row['impact']:>2}"
         yield f"{start}  {velocities}  {check:>7}  {row['status']}"
 
 
