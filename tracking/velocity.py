@@ -214,4 +214,7 @@ def _first_guess(track: Track, bounce: Bounce, sides: list[Side]) -> FloatArray:
 
 def slope(time: FloatArray, value: FloatArray) -> float:
     """Slope of the straight line through points; 0 for fewer than two."""
-    return float(np.polynomial.Polynomial.fit(time, value, 1).convert().coef[1]) if len(time) > 1 else 0.0
+    if len(time) < 2:
+        return 0.0
+    since = time - time.mean()
+    return float(since @ value / (since @ since))
