@@ -1,0 +1,167 @@
+"""Velocities at an impact, from tracks made by the closed form of flight and from a rendered recording."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from clips import Clip
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tracking.flight import Air, Flight, flight_of_ball, position
+from tracking.scale import scale_from_metres_per_pixel, to_metres
+from tracking.track import Track, track_balls
+from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
+from tracking.video import open_recording
+
+RADIUS = 0.02
+BALL = flight_of_ball(0.0027, RADIUS, Air())
+
+
+def as_track(
+    time: np.ndarray, height: np.ndarray, noise: float = 0.0, seed: int = 0, ball: str = "upper"
+) -> Track:
+    sd = np.full(len(time), max(noise, 1e-5))
+    return Track(
+        ball=ball,
+        unit="m",
+        frame=np.arange(len(time)),
+        time=time,
+        x=np.zeros(len(time)),
+        y=height + noise * np.random.default_rng(seed).standard_normal(len(time)),
+        x_sd=sd,
+        y_sd=sd,
+        arc=np.full(len(time), 2 * np.pi),
+        radius=RADIUS,
+        radius_sd=1e-5,
+    )
+
+
+def bounce(
+    approach: float, rebound: float, *, fps: float = 240, flight: Flight = BALL, at: float = 0.1501
+) -> Track:
+    """A fall to height RADIUS at the time `at`, and the rise from it."""
+    time = np.arange(int(0.31 * fps) + 8) / fps
+    velocity = np.where(time < at, approach, rebound)
+    return as_track(time, RADIUS + position(flight, velocity, time - at))
+
+
+def only(impacts: list[Impact]) -> Impact:
+    (impact,) = impacts
+    return impact
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.floats(1.6, 4.0), st.floats(0.5, 0.98), st.sampled_from([60, 120, 240, 960]), st.floats(0, 1))
+def test_velocities_of_a_perfect_track_are_exact(
+    speed: float, restitution: float, fps: float, phase: float
+) -> None:
+    at = 0.15 + phase / fps
+    impact = only(measure_impacts(bounce(-speed, restitution * speed, fps=fps, at=at), BALL))
+    assert impact.velocities[:2] == pytest.approx([-speed, restitution * speed], rel=1e-4)
+    assert impact.time == pytest.approx(at, abs=1e-6)
+    assert impact.height == pytest.approx(RADIUS, abs=1e-5)
+    assert impact.gravity_check == pytest.approx(1, abs=2e-3)
+
+
+@pytest.mark.parametrize("fps", [60, 240])
+def test_uncertainty_is_what_noise_does(fps: float) -> None:
+    clean = bounce(-2.0, 1.7, fps=fps)
+    impacts = [only(measure_impacts(as_track(clean.time, clean.y, 2e-4, seed), BALL)) for seed in range(20)]
+    pulls = [(impact.velocities[:2] - (-2.0, 1.7)) / impact.sd[:2] for impact in impacts]
+    assert 0.7 < np.std(pulls) < 1.25
+    assert all(np.all(impact.sd[:2] > 0) for impact in impacts)
+
+
+def test_uncertainty_shrinks_with_more_frames() -> None:
+    slow, fast = (
+        only(measure_impacts(as_track(clean.time, clean.y, 2e-4, 1), BALL))
+        for clean in (bounce(-2.0, 1.7, fps=60), bounce(-2.0, 1.7, fps=960))
+    )
+    assert fast.sd[0] < 0.6 * slow.sd[0]
+
+
+def test_neglected_air_reads_as_a_lower_restitution() -> None:
+    impact = only(measure_impacts(bounce(-3.0, 2.4), Flight(gravity=9.80665)))
+    assert -impact.velocities[1] / impact.velocities[0] < 0.79
+
+
+@pytest.mark.parametrize("slower", [0.5, 2.0, 8.0])
+def test_gravity_check_is_the_square_of_a_wrong_time_base(slower: float) -> None:
+    vacuum = Flight(gravity=9.80665)
+    track = bounce(-2.0, 1.7, flight=vacuum)
+    impact = only(measure_impacts(replace(track, time=track.time * slower), vacuum))
+    assert impact.gravity_check == pytest.approx(1 / slower**2, rel=0.02)
+
+
+def test_gravity_check_is_proportional_to_a_wrong_scale() -> None:
+    vacuum = Flight(gravity=9.80665)
+    track = bounce(-2.0, 1.7, flight=vacuum)
+    impact = only(measure_impacts(replace(track, y=1.3 * track.y), vacuum))
+    assert impact.gravity_check == pytest.approx(1.3, rel=0.01)
+
+
+def test_frames_that_straddle_the_impact_or_err_do_no_harm() -> None:
+    track = bounce(-2.0, 1.7)
+    wrong = track.y.copy()
+    wrong[[20, 50]] += 0.004
+    impact = only(measure_impacts(replace(track, y=wrong), BALL))
+    assert impact.velocities[:2] == pytest.approx([-2.0, 1.7], rel=2e-3)
+
+
+def test_missing_frames_are_no_hindrance() -> None:
+    track = bounce(-2.0, 1.7)
+    seen = np.delete(np.arange(len(track.time)), [22, 23, 30, 36, 37, 45])
+    arrays = {name: getattr(track, name)[seen] for name in ("frame", "time", "x", "y", "x_sd", "y_sd", "arc")}
+    impact = only(measure_impacts(replace(track, **arrays), BALL))
+    assert impact.velocities[:2] == pytest.approx([-2.0, 1.7], rel=1e-3)
+
+
+def test_ball_that_never_turns_has_no_impact() -> None:
+    time = np.arange(60) / 240
+    assert measure_impacts(as_track(time, 1 + position(BALL, 0.0, time)), BALL) == []
+    assert measure_impacts(as_track(time, np.ones(60)), BALL) == []
+    assert measure_impacts(as_track(time, 1 + 0.1 * time), BALL) == []
+
+
+def test_film_that_ends_at_the_impact_has_none() -> None:
+    track = bounce(-2.0, 1.7)
+    end = int(np.argmin(track.y)) + 2
+    arrays = {name: getattr(track, name)[:end] for name in ("frame", "time", "x", "y", "x_sd", "y_sd", "arc")}
+    assert measure_impacts(replace(track, **arrays), BALL) == []
+
+
+def test_sideways_velocity_is_told_before_and_after() -> None:
+    track = bounce(-2.0, 1.7)
+    sideways = np.where(track.time < 0.1501, 0.1, -0.3) * (track.time - 0.1501)
+    assert only(measure_impacts(replace(track, x=sideways), BALL)).sideways == pytest.approx([0.1, -0.3])
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.floats(2.0, 3.5), st.floats(0.6, 0.9), st.floats(0.08, 0.4))
+def test_ball_that_is_hit_at_rest_gets_its_own_velocity(speed: float, upper: float, lower: float) -> None:
+    top = bounce(-speed, upper * speed)
+    struck = replace(top, y=top.y + 2 * RADIUS)
+    hop = np.where(top.time < 0.1501, 0.0, position(BALL, lower * speed, np.maximum(top.time - 0.1501, 0)))
+    rest = as_track(top.time, RADIUS + np.maximum(hop, 0.0), ball="lower")
+    impact = measure_two_ball_impact(struck, rest, [BALL, BALL])
+    assert impact is not None
+    assert impact.velocities == pytest.approx(np.array([-speed, upper * speed, lower * speed]), rel=5e-3)
+    assert np.all(np.isfinite(impact.sd))
+    assert np.all(impact.sd > 0)
+
+
+def test_single_ball_has_no_lower_velocity() -> None:
+    impact = only(measure_impacts(bounce(-2.0, 1.7), BALL))
+    assert np.isnan(impact.velocities[2])
+    assert np.isnan(impact.sd[2])
+
+
+def test_rendered_recording_gives_its_truth(plate_clip: Clip) -> None:
+    (track,) = track_balls(open_recording(plate_clip.path))
+    first, *_ = measure_impacts(to_metres(track, scale_from_metres_per_pixel(0.0008)), BALL)
+    truth = plate_clip.truth["events"][0]
+    assert first.velocities[:2] == pytest.approx([truth["v0"][0], truth["v1"][0]], rel=0.005)
+    assert first.gravity_check == pytest.approx(1, abs=0.02)
+    assert first.residual < 2e-4
+    assert min(first.frames) > 20
