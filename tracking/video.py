@@ -195,7 +195,8 @@ def _container(path: Path) -> av.container.InputContainer:
     """Open a file whose first video stream can be decoded, or say why not."""
     again = "copy it again from the camera"
     try:  # the whole path: a name like "10:32.mp4" would pass for an address
-        container = av.open(os.path.abspath(path), options={"protocol_whitelist": "file"})
+        whole = os.path.abspath(path)
+        container = av.open(whole, options={"protocol_whitelist": "file"}, metadata_errors="replace")
     except PermissionError as error:
         raise RecordingError(f"{path.name}: may not be read; change its permissions") from error
     except (av.error.FFmpegError, OSError) as error:
