@@ -108,7 +108,9 @@ def descend(misfit: Misfit, log_ratio: Array, start: Array, ceiling: Array | flo
     for _ in range(_ROUNDS):
         slopes = jacobian(misfit, log_ratio[going], at[going], residuals[going])
         step, promised = _step(slopes, residuals[going], damping[going])
-        worth = (promised > _ARRIVED) & (_squared(residuals[going]) - promised < ceiling[going])
+        expected = _squared(residuals[going]) - promised
+        worth = (promised > _ARRIVED) & (expected < ceiling[going])
+        worth &= expected < expected.min(initial=np.inf) + _OUT_OF_REACH
         going, step = going[worth], step[worth]
         if not going.size:
             break

@@ -73,10 +73,12 @@ class MassPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """Profile of chi-square over the stiffness ratio, as two columns of equal length."""
+    """Chi-square over the stiffness ratio, and the largest not excluded: columns of equal length."""
 
     stiffness_ratio: tuple[float, ...] = ()
     chi_square: tuple[float, ...] = ()
+    limit_68: tuple[float, ...] = ()
+    limit_95: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

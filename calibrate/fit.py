@@ -21,6 +21,7 @@ Known = tuple[float, float]
 
 _RESTITUTION_LIMITS = (0.0, 1.0)
 _WIDEST_RESTITUTION = 0.5
+_SAME_RESTITUTION = 0.005  # intervals closer together than this are one
 _WIDEST_RATIO = 4.0  # a 95 % interval that spans a larger factor does not name a value
 _UNKNOWN_RESTITUTION = Estimate(
     value=None,
@@ -186,7 +187,7 @@ def _restitution_estimates(misfit: Misfit, profile: Profile) -> tuple[Estimate, 
 
 
 def _restitution_estimate(value: float, intervals: list[list[Interval]], sd: float | None = None) -> Estimate:
-    inner, outer = (joined(level, gap=1e-4) for level in intervals)
+    inner, outer = (joined(level, gap=_SAME_RESTITUTION) for level in intervals)
     word = verdict(outer, _RESTITUTION_LIMITS, _WIDEST_RESTITUTION)
     return _estimate(value, inner, outer, word, sd)
 
@@ -253,6 +254,8 @@ def _curve(profile: Profile) -> Curve:
     return Curve(
         stiffness_ratio=tuple(np.exp(profile.trace.log_ratio).tolist()),
         chi_square=tuple(profile.trace.chi_square.tolist()),
+        limit_68=tuple(profile.limits(0.68).tolist()),
+        limit_95=tuple(profile.limits(0.95).tolist()),
     )
 
 

@@ -2,7 +2,7 @@
 
 One least-squares call will not do: chi-square has many local minima over the ratio and jumps where the order
 of events changes. So every ratio of a grid gets its own search over the restitutions, every basin is refined,
-and the confidence set is whatever lies below the threshold: a union of intervals.
+and the confidence set is whatever lies below the limit (see `calibrate.limits`): a union of intervals.
 """
 
 from collections.abc import Callable
@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from calibrate.basins import Basin, refined_basins
 from calibrate.descent import Trace, best_of, descend, jacobian, search
 from calibrate.intervals import Interval, joined
+from calibrate.limits import limits
 from calibrate.misfit import Misfit
 
 Array = NDArray[np.float64]
@@ -41,10 +41,13 @@ class Profile:
         Best restitutions and chi-square at each ratio, closely spaced where chi-square is small.
     basins : tuple of Basin
         Local minima, best first.
+    degrees_of_freedom : int
+        Of the best fit.
     """
 
     trace: Trace
     basins: tuple[Basin, ...]
+    degrees_of_freedom: int
 
     def intervals(self, level: float) -> tuple[Interval, ...]:
         """Stiffness ratios not excluded at a confidence level, as a union of intervals."""
@@ -59,18 +62,11 @@ class Profile:
 
     def inside(self, level: float) -> NDArray[np.bool_]:
         """Tell which points of the trace a confidence level does not exclude, (G,)."""
-        return np.asarray(self.trace.chi_square <= self.trace.chi_square.min() + threshold(level))
+        return np.asarray(self.trace.chi_square <= self.limits(level))
 
-
-def threshold(level: float) -> float:
-    """Rise of chi-square that excludes one parameter's value at a confidence level.
-
-    Examples
-    --------
-    >>> round(threshold(0.95), 3)
-    3.841
-    """
-    return float(stats.chi2.ppf(level, 1))
+    def limits(self, level: float) -> Array:
+        """Largest chi-square a confidence level does not exclude at each point of the trace, (G,)."""
+        return limits(self.trace.chi_square, self.degrees_of_freedom, level)
 
 
 def trace_profile(misfit: Misfit) -> Profile:
@@ -93,8 +89,8 @@ def trace_profile(misfit: Misfit) -> Profile:
     basins = refined_basins(misfit, trace, _WORTH_A_LOOK)
     trace = trace.merged(_as_trace(basins))
     for level in LEVELS:
-        trace = _with_edges(misfit, trace, threshold(level))
-    return Profile(trace=trace, basins=tuple(basins))
+        trace = _with_edges(misfit, trace, level)
+    return Profile(trace=trace, basins=tuple(basins), degrees_of_freedom=misfit.degrees_of_freedom)
 
 
 def propagate(
@@ -121,7 +117,7 @@ def propagate(
     """
     inside = profile.inside(level)
     log_ratio, at = profile.trace.log_ratio[inside], profile.trace.restitutions[inside]
-    room = profile.trace.chi_square.min() + threshold(level) - profile.trace.chi_square[inside]
+    room = (profile.limits(level) - profile.trace.chi_square)[inside]
     slopes = jacobian(misfit, log_ratio, at, misfit.residuals(log_ratio, at))
     covariance = np.linalg.inv(np.swapaxes(slopes, 1, 2) @ slopes + 1e-9 * np.eye(2))
     value = quantity(log_ratio, at)
@@ -195,10 +191,10 @@ def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
     return trace.merged(best_of(neighbours))
 
 
-def _with_edges(misfit: Misfit, trace: Trace, rise: float) -> Trace:
-    """Locate by bisection where the profile crosses its threshold."""
+def _with_edges(misfit: Misfit, trace: Trace, level: float) -> Trace:
+    """Locate by bisection where the profile crosses its limit."""
     while True:
-        inside = trace.chi_square <= trace.chi_square.min() + rise
+        inside = trace.chi_square <= limits(trace.chi_square, misfit.degrees_of_freedom, level)
         crossing = (inside[1:] != inside[:-1]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION)
         if not crossing.any():
             return trace

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 ASSUMED_SCATTER = 0.02
 """Relative scatter of a trial where too few repeats show it; two heights read by eye give about that."""
-FINEST_SCATTER = 0.0005
+FINEST_SCATTER = 0.001
 """No speed ratio is believed to repeat better than this, however well a few trials happen to agree."""
 
 

@@ -76,7 +76,7 @@ def compute(drop: TwoBallDrop = paper.FIG4_DROP) -> ImpulseCurve:
     Examples
     --------
     >>> [f"{stretch.state} {stretch.events}" for stretch in compute().stretches]
-    ['S1 C2-C1-R2', 'S3 A2', 'S1 R1', 'S2 R2']
+    ['S1 C2-C1-R2', 'S3 A2', 'S1 R1', 'S2 C2-R2']
     """
     collision = collide(drop)
     ellipse = drop.bounding_ellipse()

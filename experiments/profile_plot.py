@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calibrate.estimate import Calibration, Estimate
 from calibrate.intervals import Interval
-from calibrate.profile import LEVELS, RATIO_LIMITS, threshold
+from calibrate.profile import RATIO_LIMITS
 from calibrate.report import interval_text, rounded
 from experiments.drawing import DARK, QUIET, UPPER, label, new_figure, save_both
 
@@ -30,8 +30,8 @@ class ProfilePlot:
     ----------
     stiffness_ratio, rise : ndarray (G,)
         Chi-square above its minimum.
-    levels : tuple of (name, rise)
-        Confidence levels.
+    limit_68, limit_95 : ndarray (G,)
+        Largest rise not excluded; smaller in the best valley than in others.
     intervals_68, intervals_95 : tuple of (low, high)
         Confidence sets.
     title : str
@@ -40,7 +40,8 @@ class ProfilePlot:
 
     stiffness_ratio: Array
     rise: Array
-    levels: tuple[tuple[str, float], ...]
+    limit_68: Array
+    limit_95: Array
     intervals_68: tuple[Interval, ...]
     intervals_95: tuple[Interval, ...]
     title: str
@@ -61,7 +62,8 @@ def compute(calibration: Calibration) -> ProfilePlot:
     return ProfilePlot(
         stiffness_ratio=np.array(calibration.profile.stiffness_ratio),
         rise=chi_square - chi_square.min(),
-        levels=tuple((f"{level:.0%}", threshold(level)) for level in LEVELS),
+        limit_68=np.array(calibration.profile.limit_68) - chi_square.min(),
+        limit_95=np.array(calibration.profile.limit_95) - chi_square.min(),
         intervals_68=estimate.intervals_68,
         intervals_95=estimate.intervals_95,
         title=_title(estimate),
@@ -78,6 +80,8 @@ def draw(plot: ProfilePlot) -> Figure:
     near.set_xlim(plot.intervals_95[0][0] / 1.35, plot.intervals_95[-1][1] * 1.35)
     label(whole, ("", "χ² above its minimum", plot.title))
     label(near, ("k₂/k₁, ball-table over ball-ball stiffness", "χ² above its minimum", ""))
+    caption = "dashed: limits of the 68 % and 95 % sets, lower in the valley of the best fit; sets shaded"
+    near.text(0.01, 1.02, caption, transform=near.transAxes, fontsize=7.5, color=QUIET)
     _mark_plainly(near)
     return figure
 
@@ -90,11 +94,10 @@ def main(out: Path, calibration: Calibration) -> None:
 def _draw_profile(axes: Axes, plot: ProfilePlot) -> None:
     _shade(axes, plot.intervals_95, 0.14)
     _shade(axes, plot.intervals_68, 0.22)
-    for name, rise in plot.levels:
-        axes.axhline(rise, color=QUIET, linewidth=0.8, linestyle="--")
-        axes.text(
-            1.005, rise, name, transform=axes.get_yaxis_transform(), fontsize=8, va="center", color=QUIET
-        )
+    for name, limit in (("68 %", plot.limit_68), ("95 %", plot.limit_95)):
+        axes.plot(plot.stiffness_ratio, limit, "--", color=QUIET, linewidth=0.8, drawstyle="steps-mid")
+        place = (1.005, limit[-1])
+        axes.text(*place, name, transform=axes.get_yaxis_transform(), fontsize=8, va="center", color=QUIET)
     axes.plot(plot.stiffness_ratio, np.minimum(plot.rise, 2 * _HIGHEST), color=DARK, linewidth=1.2)
     axes.set_xscale("log")
     axes.set_ylim(0.0, _HIGHEST)
