@@ -17,6 +17,8 @@ from impact.bodies import Ball, Cue
 from impact.collision import Collision, ConvergenceError, Segment
 from impact.contact import Contact, ContactMode, Event, Phase, RestitutionLaw
 from impact.drop import BallChain, BallColumn, TwoBallDrop
+from impact.rigid import RigidBody, Touch, assemble
+from impact.roll import Cloth, Motion, Path, Stretch, roll
 from impact.shot import CueShot, ShotOutcome
 from impact.system import ImpactSystem
 
@@ -28,6 +30,7 @@ __all__ = [
     "Ball",
     "BallChain",
     "BallColumn",
+    "Cloth",
     "Collision",
     "Contact",
     "ContactMode",
@@ -38,13 +41,20 @@ __all__ = [
     "ImpactSystem",
     "ManyDrops",
     "ManyShots",
+    "Motion",
+    "Path",
     "Phase",
     "RestitutionLaw",
+    "RigidBody",
     "Segment",
     "ShotOutcome",
+    "Stretch",
+    "Touch",
     "TwoBallDrop",
+    "assemble",
     "collide",
     "collide_many",
+    "roll",
 ]
 
 

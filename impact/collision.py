@@ -14,7 +14,7 @@ from impact.system import ImpactSystem
 
 if TYPE_CHECKING:
     from impact.record import Record
-    from impact.scaling import Task
+    from impact.scaling import Tasks
 
 EVENT_LETTERS = tuple(event.value for event in Event)
 
@@ -101,14 +101,14 @@ class Collision:
     energy_loss: float
     energy_dropped: Array
     friction_work: Array
-    task: Task
-    record: Record
+    tasks: Tasks
+    records: Record
 
     @classmethod
-    def from_run(cls, system: ImpactSystem, law: RestitutionLaw, task: Task, record: Record) -> Collision:
-        """Read the outcome from the notes of a run."""
+    def from_run(cls, system: ImpactSystem, law: RestitutionLaw, tasks: Tasks, records: Record) -> Collision:
+        """Read the outcome from the notes of a run of one task."""
         count = len(system.contacts)
-        impulse = task.impulse
+        impulse = tasks.impulse[0]
         by_contact = impulse.reshape(count, -1)
         jacobian = system.jacobian.reshape(impulse.size, -1)
         return cls(
@@ -117,12 +117,12 @@ class Collision:
             velocities=system.velocity + system.inverse_mass @ (jacobian.T @ impulse),
             impulses=by_contact[:, 0],
             tangential_impulses=by_contact[:, 1:],
-            states=tuple(_state_names(system, record)),
-            energy_loss=float(-impulse @ (task.velocity + 0.5 * task.delassus @ impulse)),
-            energy_dropped=task.contacts["energy_dropped"],
-            friction_work=task.contacts["friction_work"],
-            task=task,
-            record=record,
+            states=tuple(_state_names(system, records)),
+            energy_loss=float(-impulse @ (tasks.velocity[0] + 0.5 * tasks.delassus[0] @ impulse)),
+            energy_dropped=tasks.contacts["energy_dropped"][0],
+            friction_work=tasks.contacts["friction_work"][0],
+            tasks=tasks,
+            records=records,
         )
 
     @property
@@ -136,11 +136,10 @@ class Collision:
         return tuple(self._segment(index, name) for index, name in enumerate(self.states))
 
     def _segment(self, index: int, name: str) -> Segment:
-        record = self.record
         count = len(self.system.contacts)
-        _, impulse_unit, length_unit = self.task.units
-        start, stop = record.states[index, :2]
-        samples = record.samples[start:stop]
+        _, impulse_unit, length_unit = self.tasks.units[0]
+        start, stop = self.records.states[0, index, :2]
+        samples = self.records.samples[0, start:stop]
         impulses = (samples[:, 2 * count :] * impulse_unit).reshape(len(samples), count, -1)
         stiffness = np.array([contact.stiffness for contact in self.system.contacts])
         exponent = np.array([contact.exponent for contact in self.system.contacts])
@@ -148,7 +147,7 @@ class Collision:
         energy = stiffness * depths ** (exponent + 1.0) / (exponent + 1.0)
         return Segment(
             state=name,
-            events=_events(record, index),
+            events=_events(self.records, index),
             impulses=impulses[:, :, 0],
             tangential_impulses=impulses[:, :, 1:],
             elastic_energies=energy,
@@ -165,15 +164,15 @@ class Collision:
         return text
 
 
-def _state_names(system: ImpactSystem, record: Record) -> Iterator[str]:
-    for row in record.states[: record.counts[0], 2:].tolist():
+def _state_names(system: ImpactSystem, records: Record) -> Iterator[str]:
+    for row in records.states[0, : records.counts[0, 0], 2:].tolist():
         active = [index for index, flag in enumerate(row) if flag]
         unnamed = "{" + ",".join(str(index + 1) for index in active) + "}"
         yield system.state_names.get(frozenset(active), unnamed)
 
 
-def _events(record: Record, state: int) -> str:
-    noted = record.events[: record.counts[2]]
+def _events(records: Record, state: int) -> str:
+    noted = records.events[0, : records.counts[0, 2]]
     noted = noted[noted[:, 0] == state]
     return "-".join(f"{EVENT_LETTERS[code]}{contact + 1}" for _, code, contact in noted.tolist())
 

@@ -8,21 +8,20 @@ from __future__ import annotations
 
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from impact._checks import require_within
 from impact.collision import Collision, ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.evolve import evolve
-from impact.kernel import Core, compiled, compiled_allocating
-from impact.record import STATES, Record, new_record, open_state, room_needed
-from impact.scaling import Task, new_core, new_task, settle_accounts
+from impact.kernel import Core, compiled, compiled_entry
+from impact.record import STATES, Record, Room, new_records, open_state, room_needed
+from impact.scaling import MOST_STATES, Tasks, contact_table, new_core, new_tasks, scale, settle_accounts
 from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
 FINISHED, EXHAUSTED, STALLED = 0, 1, 2
-REASONS = {
-    EXHAUSTED: "more than {most_states} states",
-    STALLED: "a state that does not end",
-}
+REASONS = {EXHAUSTED: f"more than {MOST_STATES} states", STALLED: "a state that does not end"}
 
 Outcome = TypeVar("Outcome", covariant=True)
 
@@ -50,13 +49,15 @@ def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     return FINISHED
 
 
-@compiled_allocating
-def run(task: Task, record: Record, most_states: int) -> int:
-    """Scale one task, follow the diagram, and write the results back in SI units."""
-    core = new_core(task)
-    status = follow_diagram(core, record, most_states)
-    settle_accounts(task, core)
-    return status
+@compiled_entry
+def run(tasks: Tasks, records: Record, first: int, last: int) -> None:
+    """Run tasks `first` up to `last`; results go into `tasks`, notes into `records`."""
+    for row in range(first, last):
+        record = Record(records.counts[row], records.states[row], records.events[row], records.samples[row])
+        scale(tasks, row)
+        core = new_core(tasks, row)
+        tasks.status[row] = follow_diagram(core, record, tasks.most_states)
+        settle_accounts(tasks, row, core)
 
 
 def collide(
@@ -64,7 +65,6 @@ def collide(
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
     rtol: float = 1e-12,
-    most_states: int = 20_000,
 ) -> Outcome:
     """Let bodies collide at several contacts at once.
 
@@ -76,8 +76,6 @@ def collide(
         When a contact ends: by energy (the paper's law) or by Poisson's impulses.
     rtol : float
         Error allowed in one step, relative to the fastest approach, within [1e-14, 1e-3].
-    most_states : int
-        Give up after so many states.
 
     Returns
     -------
@@ -106,17 +104,20 @@ def collide(
     """
     require_within("rtol", rtol, 1e-14, 1e-3)
     system = scene.system()
-    room = 16
+    rows = system.jacobian.reshape(-1, system.velocity.size)
+    contacts = contact_table(system.contacts)[np.newaxis]
+    delassus = (rows @ system.inverse_mass @ rows.T)[np.newaxis]
+    room = Room(states=8, events=32, samples=512)
     while True:
-        task = new_task(system, law, rtol)
-        record = new_record(len(system.contacts), task.impulse.size, room)
-        status = run(task, record, most_states)
-        needed = room_needed(record)
-        if needed <= room:
+        tasks = new_tasks(contacts, delassus, (rows @ system.velocity)[np.newaxis], law, rtol)
+        records = new_records(1, len(system.contacts), len(rows), room)
+        run(tasks, records, 0, 1)
+        needed = room_needed(records, room)
+        if needed == room:
             break
         room = needed
-    collision = Collision.from_run(system, law, task, record)
-    if status != FINISHED:
-        reason = REASONS[status].format(most_states=most_states)
-        raise ConvergenceError(f"the collision did not end: {reason}", scene.outcome(collision))
-    return scene.outcome(collision)
+    collision = Collision.from_run(system, law, tasks, records)
+    outcome = scene.outcome(collision)
+    if tasks.status[0] != FINISHED:
+        raise ConvergenceError(f"the collision did not end: {REASONS[int(tasks.status[0])]}", outcome)
+    return outcome

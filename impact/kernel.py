@@ -8,7 +8,7 @@ stiffest contact is 1, so every tolerance is a plain number. Evolution runs alon
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar
 
 import numba
 import numpy as np
@@ -19,18 +19,14 @@ from impact.contact import ContactMode, Phase
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-compiled = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy", _nrt=False))
+njit: Any = numba.njit  # its stubs do not know `_nrt`
+compiled: Callable[[Function], Function] = njit(cache=True, error_model="numpy", _nrt=False)
 """Compile a function to machine code on first call and keep the code on disk.
 
 It goes without reference counts (`_nrt`), which cost more than the work; so it must not create arrays.
 """
-compiled_allocating = cast(Callable[[Function], Function], numba.njit(cache=True, error_model="numpy"))
-"""The same for a function that creates arrays."""
-compiled_parallel = cast(
-    Callable[[Function], Function], numba.njit(cache=True, parallel=True, error_model="numpy")
-)
-"""The same, with `parallel_range` loops spread over the threads."""
-parallel_range: type[range] = numba.prange
+compiled_entry: Callable[[Function], Function] = njit(cache=True, error_model="numpy", nogil=True)
+"""The same for a function that creates arrays or is called from Python; it lets other threads run."""
 
 INACTIVE, COMPRESSION, RESTITUTION = (int(phase) for phase in Phase)
 FRICTIONLESS, STICKING, STARTING, SLIDING = (int(mode) for mode in ContactMode)

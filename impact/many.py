@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import NamedTuple, overload
+from typing import overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,13 +17,14 @@ from impact.collision import ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.diagram import FINISHED, run
 from impact.drop import TwoBallDrop
-from impact.kernel import compiled_allocating, compiled_parallel, parallel_range
-from impact.record import STATES, Integers, Record
-from impact.scaling import Task
+from impact.record import STATES, Record, Room, new_records, room_needed
+from impact.scaling import Tasks, new_tasks
 from impact.shot import CueShot
 from impact.system import TWO_CONTACT_STATES
 
-MOST_STATES = 20_000
+PROCESSORS = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+ROWS_AT_LEAST = 16
+"""Rows a thread takes at a time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -149,89 +152,43 @@ def collide_many(
     return result
 
 
-class Rows(NamedTuple):
-    """Tasks of many rows, and what they write."""
-
-    contacts: npt.NDArray[np.void]  # (N, 2) of dtype CONTACT
-    delassus: Array  # (N, 2 r, 2 r)
-    velocity: Array  # (N, 2 r) u before the collision
-    impulse: Array  # (N, 2 r) p
-    status: Integers  # (N,) how the run ended
-    counts: Integers  # (N,) of states
-    active: Integers  # (N, room) per state the sum of 1 (contact 1 active) and 2 (contact 2 active)
-    tolerance: float
-    poisson: bool
-
-
 def _solve(
     batch: Batch, law: RestitutionLaw, tolerance: float
-) -> tuple[Array, Sequence[tuple[str, ...]], Integers]:
+) -> tuple[Array, Sequence[tuple[str, ...]], npt.NDArray[np.int64]]:
     """Run every row; give velocities after, names of states, and the rows that did not end."""
     count, degrees = batch.velocity.shape
-    jacobian = np.broadcast_to(
-        batch.jacobian.reshape(len(batch.jacobian), -1, degrees),
-        (count, batch.jacobian[0, :, :, 0].size, degrees),
-    )
+    jacobian = batch.jacobian.reshape(len(batch.jacobian), -1, degrees)
     weighted = jacobian * batch.inverse_mass[:, np.newaxis, :]
     delassus = weighted @ jacobian.transpose(0, 2, 1)
-    approach = np.einsum("nij,nj->ni", jacobian, batch.velocity)
-    rows = _run_with_room(batch.contacts, delassus, approach, law, tolerance)
-    velocities = batch.velocity + np.einsum("nij,ni->nj", weighted, rows.impulse)
-    return velocities, tuple(_name_states(rows)), np.flatnonzero(rows.status != FINISHED)
-
-
-def _run_with_room(
-    contacts: npt.NDArray[np.void], delassus: Array, approach: Array, law: RestitutionLaw, tolerance: float
-) -> Rows:
-    """Run all rows, and once more with room for all states if some row had more than most do."""
-    room = 32
+    approach = (jacobian @ batch.velocity[:, :, np.newaxis])[:, :, 0]
+    room = Room(states=24, events=0, samples=0)
     while True:
-        rows = Rows(
-            contacts.copy(),
-            delassus,
-            approach,
-            np.zeros_like(approach),
-            np.zeros(len(approach), np.int64),
-            np.zeros(len(approach), np.int64),
-            np.zeros((len(approach), room), np.int64),
-            tolerance,
-            law is RestitutionLaw.POISSON,
-        )
-        _run_rows(rows)
-        longest = int(rows.counts.max(initial=0))
-        if longest <= room:
-            return rows
-        room = longest
+        tasks = new_tasks(batch.contacts, delassus, approach, law, tolerance)
+        records = new_records(count, 2, approach.shape[1], room)
+        _run_in_threads(tasks, records)
+        needed = room_needed(records, room)
+        if needed == room:
+            break
+        room = needed
+    velocities = batch.velocity + (tasks.impulse[:, np.newaxis, :] @ weighted)[:, 0, :]
+    return velocities, tuple(_name_states(records)), np.flatnonzero(tasks.status != FINISHED)
 
 
-@compiled_allocating
-def _run_row(rows: Rows, row: int) -> None:
-    room = rows.active.shape[1]
-    record = Record(
-        np.zeros(4, np.int64), np.zeros((room, 4), np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 0))
-    )
-    task = Task(
-        rows.contacts[row],
-        rows.delassus[row],
-        rows.velocity[row],
-        rows.impulse[row],
-        np.ones(3),
-        rows.tolerance,
-        rows.poisson,
-    )
-    rows.status[row] = run(task, record, MOST_STATES)
-    rows.counts[row] = record.counts[STATES]
-    for state in range(min(room, record.counts[STATES])):
-        rows.active[row, state] = record.states[state, 2] + 2 * record.states[state, 3]
+def _run_in_threads(tasks: Tasks, records: Record) -> None:
+    """Share the rows out among all processors; the compiled run holds no lock."""
+    count = len(tasks.status)
+    share = max(ROWS_AT_LEAST, count // (8 * PROCESSORS) + 1)
+    if count <= share:
+        run(tasks, records, 0, count)
+        return
+    with ThreadPoolExecutor(PROCESSORS) as pool:
+        shares = [pool.submit(run, tasks, records, i, min(i + share, count)) for i in range(0, count, share)]
+    for done in shares:
+        done.result()
 
 
-@compiled_parallel
-def _run_rows(rows: Rows) -> None:
-    for row in parallel_range(rows.status.size):
-        _run_row(rows, row)
-
-
-def _name_states(rows: Rows) -> Iterator[tuple[str, ...]]:
+def _name_states(records: Record) -> Iterator[tuple[str, ...]]:
+    codes = records.states[:, :, 2] + 2 * records.states[:, :, 3]
     names = {1 * (0 in active) + 2 * (1 in active): name for active, name in TWO_CONTACT_STATES.items()}
-    for codes, count in zip(rows.active.tolist(), rows.counts.tolist(), strict=True):
-        yield tuple(names[code] for code in codes[:count])
+    for row, length in zip(codes.tolist(), records.counts[:, STATES].tolist(), strict=True):
+        yield tuple(names[code] for code in row[:length])

@@ -5,7 +5,6 @@ Counting goes on when a table is full, so the caller learns how much room a seco
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ COMPRESSION_ENDS, RESTITUTION_ENDS, REACTIVATION = 0, 1, 2
 
 
 class Record(NamedTuple):
-    """What is written down during one collision."""
+    """What is written down during one collision; with a leading axis N, during N collisions."""
 
     counts: Integers  # (4,) states, samples, events; whether a state has begun and not ended
     states: Integers  # (states, 2 + n) first and last sample, then which contacts are active
@@ -29,21 +28,32 @@ class Record(NamedTuple):
     samples: Array  # (samples, 2 n + n r) compressions, modes (-1 if inactive), impulses
 
 
-def new_record(contacts: int, size: int, room: int, samples_per_state: int = 128) -> Record:
-    """Empty notebook with room for so many states, each of so many samples."""
+class Room(NamedTuple):
+    """How much fits into a record."""
+
+    states: int
+    events: int
+    samples: int
+
+
+def new_records(collisions: int, contacts: int, size: int, room: Room) -> Record:
+    """Empty notebooks for N collisions of n contacts and impulses of `size` numbers."""
     return Record(
-        np.zeros(4, np.int64),
-        np.zeros((room, 2 + contacts), np.int64),
-        np.zeros((4 * room, 3), np.int64),
-        np.zeros((samples_per_state * room, 2 * contacts + size)),
+        np.zeros((collisions, 4), np.int64),
+        np.empty((collisions, room.states, 2 + contacts), np.int64),
+        np.empty((collisions, room.events, 3), np.int64),
+        np.empty((collisions, room.samples, 2 * contacts + size)),
     )
 
 
-def room_needed(record: Record) -> int:
-    """States of room a record should have had for what was counted."""
-    states, samples, events, _ = record.counts.tolist()
-    used = samples * len(record.states) / max(len(record.samples), 1)
-    return int(max(states + 1, math.ceil(used), math.ceil(events / 4)))
+def room_needed(records: Record, room: Room) -> Room:
+    """Room that would have held everything; what was not wanted at all stays so."""
+    states, samples, events, _ = records.counts.max(axis=0).tolist()
+    return Room(
+        max(room.states, states + 1),
+        max(room.events, events) if room.events else 0,
+        max(room.samples, samples) if room.samples else 0,
+    )
 
 
 @compiled

@@ -7,74 +7,96 @@ ratios survive (Theorem 1), and nothing depends on the approach velocity but as 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from impact._checks import Array
-from impact.contact import RestitutionLaw
-from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled, compiled_allocating
+from impact.contact import Contact, RestitutionLaw
+from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled, compiled_entry
 
-if TYPE_CHECKING:
-    from impact.system import ImpactSystem
+Contacts = npt.NDArray[np.void]
+
+MOST_STATES = 20_000
+"""A run is given up after so many states; a jammed cue was seen to need a thousand."""
 
 
-class Task(NamedTuple):
-    """One collision in SI units; impulse, units and the sums in `contacts` are filled in by the run."""
+class Tasks(NamedTuple):
+    """N collisions of n contacts with r rows each, in SI units; what a run fills in stands last."""
 
-    contacts: npt.NDArray[np.void]  # (n,) of dtype CONTACT
-    delassus: Array  # (n r, n r)
-    velocity: Array  # (n r,) u before the collision
-    impulse: Array  # (n r,) p
-    units: Array  # (3,) of speed, impulse, compression
+    delassus: Array  # (N, n r, n r) A
+    velocity: Array  # (N, n r) u before the collision
     tolerance: float
     poisson: bool
+    most_states: int
+    contacts: Contacts  # (N, n) of dtype CONTACT; sums of energy are filled in
+    impulse: Array  # (N, n r) p
+    units: Array  # (N, 3) of speed, impulse, compression
+    status: npt.NDArray[np.int64]  # (N,) how the run ended
 
 
-def new_task(system: ImpactSystem, law: RestitutionLaw, tolerance: float) -> Task:
-    """Reduce a system to its contacts: A = J M⁻¹ Jᵀ and u = J v."""
-    rows = system.jacobian.reshape(-1, system.velocity.size)
-    contacts = np.zeros(len(system.contacts), CONTACT)
-    for record, contact in zip(contacts, system.contacts, strict=True):
-        record["stiffness"] = contact.stiffness
-        record["exponent"] = contact.exponent
-        record["friction"] = contact.friction
-        record["restitution"] = contact.restitution
-    return Task(
-        contacts,
-        rows @ system.inverse_mass @ rows.T,
-        rows @ system.velocity,
-        np.zeros(len(rows)),
-        np.ones(3),
+def contact_table(contacts: Sequence[Contact]) -> Contacts:
+    """Write contacts as records of the kernel."""
+    table = np.zeros(len(contacts), CONTACT)
+    for field in ("stiffness", "exponent", "friction", "restitution"):
+        table[field] = [getattr(contact, field) for contact in contacts]
+    return table
+
+
+def new_tasks(
+    contacts: Contacts, delassus: Array, velocity: Array, law: RestitutionLaw, tolerance: float
+) -> Tasks:
+    """Lay out tasks; `contacts` is copied, because a run writes into it."""
+    return Tasks(
+        np.ascontiguousarray(delassus),
+        np.ascontiguousarray(velocity),
         tolerance,
         law is RestitutionLaw.POISSON,
+        MOST_STATES,
+        contacts.copy(),
+        np.zeros_like(velocity),
+        np.ones((len(velocity), 3)),
+        np.zeros(len(velocity), np.int64),
     )
 
 
-@compiled_allocating
-def new_core(task: Task) -> Core:
-    """Scale a task and lay out what the kernel works on."""
-    count = task.contacts.size
-    rows = task.velocity.size // count
+@compiled
+def scale(tasks: Tasks, row: int) -> None:
+    """Choose the units of one task and scale its stiffnesses."""
+    contacts = tasks.contacts[row]
+    rows = tasks.velocity.shape[1] // contacts.size
     speed = 0.0
     response = 0.0
-    for index in range(count):
-        speed = max(speed, -task.velocity[index * rows])
-        response = max(response, task.delassus[index * rows, index * rows])
+    for index in range(contacts.size):
+        speed = max(speed, -tasks.velocity[row, index * rows])
+        response = max(response, tasks.delassus[row, index * rows, index * rows])
     if speed == 0.0:
         speed = 1.0  # nothing approaches, so nothing will happen
-    task.units[0] = speed
-    task.units[1] = speed / response
-    task.units[2] = _length_unit(task, speed * speed / response)
-    for contact in task.contacts:
-        contact.stiffness *= task.units[2] ** (contact.exponent + 1.0) * response / speed**2
-    size = task.velocity.size
-    tangents = count if rows > 1 else 0
+    energy = speed * speed / response
+    length = np.inf
+    for index in range(contacts.size):  # depth at which the stiffest contact stores this energy, or twice it
+        power = contacts[index].exponent + 1.0
+        length = min(length, (energy / contacts[index].stiffness) ** (1.0 / power))
+    for index in range(contacts.size):
+        contacts[index].stiffness *= length ** (contacts[index].exponent + 1.0) / energy
+    tasks.units[row, 0] = speed
+    tasks.units[row, 1] = speed / response
+    tasks.units[row, 2] = length
+
+
+@compiled_entry
+def new_core(tasks: Tasks, row: int) -> Core:
+    """Lay out what the kernel works on, in scaled units."""
+    count = tasks.contacts.shape[1]
+    size = tasks.velocity.shape[1]
+    tangents = count if size > count else 0
+    speed, impulse = tasks.units[row, 0], tasks.units[row, 1]
     return Core(
-        task.contacts,
-        task.delassus / response,
-        task.velocity / speed,
+        tasks.contacts[row],
+        tasks.delassus[row] * (impulse / speed),
+        tasks.velocity[row] / speed,
         np.zeros(size),
         np.zeros(size),
         np.zeros((count, ORDER + 1)),
@@ -83,28 +105,18 @@ def new_core(task: Task) -> Core:
         np.zeros((size, ORDER + 1)),
         np.zeros((tangents, SLIP_SERIES, ORDER + 1)),
         np.zeros((tangents * 3, tangents * 3)),
-        rows,
-        task.tolerance,
-        task.poisson,
+        size // count,
+        tasks.tolerance,
+        tasks.poisson,
     )
 
 
 @compiled
-def _length_unit(task: Task, energy: float) -> float:
-    """Smallest compression at which a contact would store `energy` (up to a factor)."""
-    length = np.inf
-    for contact in task.contacts:
-        length = min(length, (energy / contact.stiffness) ** (1.0 / (contact.exponent + 1.0)))
-    return length
-
-
-@compiled
-def settle_accounts(task: Task, core: Core) -> None:
+def settle_accounts(tasks: Tasks, row: int, core: Core) -> None:
     """Write impulses and energies back in SI units."""
-    energy_unit = task.units[0] * task.units[1]
-    for row in range(task.impulse.size):
-        task.impulse[row] = core.impulse[row] * task.units[1]
-    for index in range(task.contacts.size):
-        contact = task.contacts[index]
-        contact.energy_dropped *= energy_unit
-        contact.friction_work *= energy_unit
+    energy = tasks.units[row, 0] * tasks.units[row, 1]
+    for index in range(core.impulse.size):
+        tasks.impulse[row, index] = core.impulse[index] * tasks.units[row, 1]
+    for index in range(core.contacts.size):
+        core.contacts[index].energy_dropped *= energy
+        core.contacts[index].friction_work *= energy

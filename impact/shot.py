@@ -11,6 +11,7 @@ from impact._checks import Array, as_array
 from impact.bodies import Ball, Cue
 from impact.collision import Collision, Segment
 from impact.contact import Contact
+from impact.frames import tangent_frame
 from impact.system import TWO_CONTACT_STATES, ImpactSystem
 
 Vector = Sequence[float] | Array
@@ -183,11 +184,3 @@ def shot_jacobian(normal: Array, direction: Array, radius: float) -> Array:
         jacobian[..., 1, index, 1:4] = axis
         jacobian[..., 1, index, 4:7] = -radius * np.cross(up, axis)
     return jacobian
-
-
-def tangent_frame(normal: Array) -> tuple[Array, Array, Array]:
-    """Complete a unit normal to a frame with two unit tangents, each of shape (..., 3)."""
-    helper = np.where(np.abs(normal[..., 2:3]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
-    first = np.cross(helper, normal)
-    first = first / np.linalg.norm(first, axis=-1, keepdims=True)
-    return normal, first, np.cross(normal, first)
