@@ -69,7 +69,7 @@ def demo(
     from experiments.experiment import read_experiment
 
     truth = Truth()
-    films = film(out / "recordings", seed=seed, workers=workers or cores(), truth=truth)
+    films = film(out / "recordings", seed=seed, workers=cores() if workers is None else workers, truth=truth)
     for _ in console.progress(films, recordings(), "filming", quiet=quiet):
         pass
     measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet)
@@ -198,7 +198,7 @@ def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bo
     headline, width = console.header(trial.name for trial in trials)
     typer.echo(headline)
     failed = 0
-    done = process_trials(trials, out, workers=workers or cores())
+    done = process_trials(trials, out, workers=cores() if workers is None else workers)
     for measured in console.progress(done, len(trials), "measuring", quiet=quiet):
         for line in console.impact_lines(measured, width):
             typer.echo(line)
