@@ -1,0 +1,73 @@
+"""The shared recordings, rendered elsewhere or filmed by strangers, against what is known of them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from calibrate.trials import read_trials
+from experiments.experiment import read_experiment
+from experiments.process import measure, process
+from experiments.trial import Body, Trial
+
+PING_PONG = {"upper": Body(diameter=0.040)}
+
+
+def assert_first_impact(row: dict[str, Any], truth_file: Path) -> None:
+    """Upper ball within 0.5 % of truth before and after, lower ball within 2 %."""
+    event = json.loads(truth_file.read_text())["events"][0]
+    assert row["status"] == "ok", row["reason"]
+    assert row["approach_velocity"] == pytest.approx(event["v0"][0], rel=0.005)
+    assert row["upper_rebound_velocity"] == pytest.approx(event["v1"][0], rel=0.005)
+    if row["kind"] == "two":
+        assert row["lower_rebound_velocity"] == pytest.approx(event["v1"][1], rel=0.02)
+        assert row["lower_rebound_velocity_sd"] > 0
+    assert min(row["approach_velocity_sd"], row["upper_rebound_velocity_sd"]) > 0
+
+
+def assert_bounces(rows: list[dict[str, Any]]) -> None:
+    """At least five bounces in a row, each with a sensible restitution and gravity within 12 % of 1."""
+    assert len(rows) >= 5
+    assert all(row["status"] == "ok" for row in rows)
+    restitution = [-row["upper_rebound_velocity"] / row["approach_velocity"] for row in rows]
+    assert 0.74 < min(restitution) <= max(restitution) < 0.92
+    assert [row["gravity_check"] for row in rows] == pytest.approx(np.ones(len(rows)), abs=0.12)
+    speeds = [-row["approach_velocity"] for row in rows]
+    assert speeds == sorted(speeds, reverse=True)
+
+
+@pytest.mark.parametrize("name", ["plate-00", "two-06"])
+def test_rendered_recording_gives_its_truth(shared_data: Path, name: str) -> None:
+    folder = shared_data / "rendered" / "drops"
+    (trial,) = (one for one in read_experiment(folder / "experiment.toml") if one.name == name)
+    assert_first_impact(measure(trial).rows[0], folder / f"{name}.json")
+
+
+@pytest.mark.slow
+def test_every_first_impact_of_the_rendered_experiment_is_true(shared_data: Path, tmp_path: Path) -> None:
+    folder = shared_data / "rendered" / "drops"
+    trials = read_experiment(folder / "experiment.toml")
+    done = list(process(trials, tmp_path, workers=2))
+    for measured in done:
+        assert_first_impact(measured.rows[0], folder / f"{measured.trial.name}.json")
+    table = read_trials(tmp_path / "trials.csv")
+    assert len(set(table["trial"])) == 12
+    assert set(table.loc[table["trial"] == "two-10", "upper_mass"]) == {0.0054}
+
+
+def test_small_blurred_ball_at_twenty_frames_a_second_bounces_five_times(shared_data: Path) -> None:
+    video = shared_data / "real" / "pingpong-floor-1m-20fps.mp4"
+    measured = measure(Trial(name="floor", video=video, kind="plate", bodies=PING_PONG))
+    assert_bounces(measured.rows)
+    assert any(remark.startswith("scale: upper ball, 40 mm wide, 1") for remark in measured.remarks)
+
+
+@pytest.mark.slow
+def test_film_with_doubled_frames_bounces_five_times_and_says_so(shared_data: Path) -> None:
+    video = shared_data / "real" / "pingpong-table-doubled-frames.mov"
+    measured = measure(Trial(name="table", video=video, kind="plate", bodies=PING_PONG))
+    assert_bounces(measured.rows)
+    said = "94 of 188 frames store the picture before them again; they were left out"
+    assert said in measured.remarks
