@@ -75,7 +75,13 @@ def process(trials: Sequence[Trial], out: Path, *, workers: int) -> Iterator[Mea
 
 
 def measure(trial: Trial) -> Measured:
-    """Measure one trial; whatever is wrong with it becomes a failed row that says why."""
+    """Measure one trial; whatever is wrong with it becomes a failed row that says why.
+
+    Examples
+    --------
+    >>> measure(Trial(name="drop", video=Path("drop.mp4"), kind="plate")).rows[0]["reason"]
+    'drop.mp4: no such file; check the spelling and the folder'
+    """
     measured = Measured(trial=trial)
     try:
         _measure_into(measured)
