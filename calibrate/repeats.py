@@ -94,7 +94,17 @@ class Repeats:
 
 
 def known(mean: float, sd: float) -> Repeats:
-    """One number known from elsewhere, with a normal uncertainty."""
+    """Take a restitution known from elsewhere, with a normal uncertainty.
+
+    Raises
+    ------
+    ValueError
+        If it is no restitution, or its standard deviation is not positive.
+    """
+    if not 0 <= mean <= 1:
+        raise ValueError(f"restitution must be within [0, 1], got {mean:g}")
+    if not 0 < sd < np.inf:
+        raise ValueError(f"the standard deviation of a restitution must be positive, got {sd:g}")
     return Repeats(
         means=np.array([[mean]]), weights=np.ones(1), spread=np.array([[sd**2]]), degrees_of_freedom=np.inf
     )
