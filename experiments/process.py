@@ -103,11 +103,11 @@ def _measure_into(measured: Measured) -> None:
     recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
     measured.remarks += recording.notes
     upper, lower = trial.body("upper"), trial.body("lower")
-    given = _given_scale(trial, recording)
+    given = _given_scale(trial)
     tracks = track_balls(
         recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
     )
-    scale = given or _ball_scale(tracks[0], upper, trial)
+    scale = given or scale_from_ball(tracks[0], upper.diameter or 0.0)
     if given is None:
         measured.remarks.append(f"scale: {scale.source}")
     timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
@@ -119,8 +119,8 @@ def _measure_into(measured: Measured) -> None:
     measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
 
 
-def _given_scale(trial: Trial, recording: Recording) -> Scale | None:
-    """Scale that does not need the ball; None if the ball is to tell it."""
+def _given_scale(trial: Trial) -> Scale | None:
+    """Scale that does not need the ball; None if the ball is to tell it, which then has a diameter."""
     told = trial.camera.scale
     if "metres_per_pixel" in told:
         return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
@@ -129,17 +129,12 @@ def _given_scale(trial: Trial, recording: Recording) -> Scale | None:
         return scale_from_points(first, second, float(told["distance"]))
     if "corners_px" in told:
         return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
-    return None
-
-
-def _ball_scale(track: Track, ball: Body, trial: Trial) -> Scale:
-    """Scale from the outline of the upper ball."""
-    if ball.diameter is None:
+    if trial.body("upper").diameter is None:
         raise ValueError(
             f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
             "--metres-per-pixel"
         )
-    return scale_from_ball(track, ball.diameter)
+    return None
 
 
 def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> float | None:
