@@ -137,8 +137,7 @@ def _solve(
         np.clip(start[free], lower[free] + 1e-9, upper[free] - 1e-9),
         bounds=(lower[free], upper[free]),
         loss="soft_l1" if robust else "linear",
-        x_scale=np.maximum(np.abs(start[free]), 1e-3),
-        xtol=1e-11,
+        x_scale="jac",
     )
     return _with(start, free, fit.x)
 

@@ -104,6 +104,9 @@ def read_path(
         common = np.zeros(len(V))
         common[which] = values[which] * share
         covariance += np.outer(common, common)
+    # a stamp marks the start of an exposure of unknown length, so all moments may be late by half a frame
+    moments = [V.STRIKE, V.ROLLING_TIME]
+    covariance[np.ix_(moments, moments)] += float(np.median(np.diff(seen.time))) ** 2 / 12
     untold = UNTOLD[stage]
     values[untold] = np.nan
     covariance[untold, :] = np.nan
