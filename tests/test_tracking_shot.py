@@ -29,7 +29,7 @@ CLOTH_CORNERS = [[150, 488], [940, 488], [712, 103], [352, 103]]
 def seen_from_above(
     place: Callable[[Places], Places], *, until: float = 1.0, noise: float = 8e-5
 ) -> ShotTrack:
-    """Track, at 120 frames a second, of a ball at rest until STRIKE and at ``place(time since)`` afterwards."""
+    """Track, at 120 frames a second, of a ball at rest until STRIKE, at ``place(time since)`` afterwards."""
     time = np.arange(0, until, 1 / 120)
     x, y = (place(np.maximum(time - STRIKE, 0)) + np.random.default_rng(5).normal(0, noise, (len(time), 2))).T
     sd = np.full(len(time), noise)
@@ -215,8 +215,10 @@ def club_shot(shared_data: Path) -> ShotTrack:
 @pytest.mark.slow
 def test_the_white_ball_among_nine_is_struck_and_meets_another(club_shot: ShotTrack) -> None:
     shot = measure_shot(club_shot, RADIUS)
-    speed = np.hypot(*np.diff((club_shot.ball.x, club_shot.ball.y))) * 25
-    assert (club_shot.ball.x[0], club_shot.ball.y[0]) == pytest.approx((751.5, 270), abs=2)
+    ball = club_shot.ball
+    assert np.array_equal(ball.frame, np.arange(122))
+    speed = np.hypot(np.diff(ball.x), np.diff(ball.y)) * 25
+    assert (ball.x[0], ball.y[0]) == pytest.approx((751.5, 270), abs=2)
     assert 9 / 25 < shot.strike_time < 15 / 25
     assert speed[14:20].mean() == pytest.approx(10.8 * 25, rel=0.05)
     assert np.all(np.diff(speed[15:55].reshape(8, 5).mean(axis=1)) < 0)

@@ -23,6 +23,7 @@ Guess = tuple[float, float, float]
 
 RADIUS_GUESSES = (0.5, 0.65, 0.8, 1.0, 1.25)  # of half the patch's width, which may hold a shadow
 REST_SECONDS = 0.4  # of rest that are looked at
+REST_FRAMES = 30  # ... and at least so many frames
 AT_REST = 0.1  # radii that a thing at rest seems to move at most
 PATCH_RADII = 1.5  # half the width of the picture kept of a sighting
 KEPT_BYTES = 100_000_000
@@ -108,7 +109,8 @@ def _keep(
     left, top = max(0, int(blob.x - half)), max(0, int(blob.y - half))
     window = (slice(top, int(blob.y + half) + 1), slice(left, int(blob.x + half) + 1))
     each = recording.samples[0][window].nbytes
-    most = min(int(REST_SECONDS * recording.capture_fps) + number, KEPT_BYTES // each)
+    resting = max(int(REST_SECONDS * recording.capture_fps), REST_FRAMES)
+    most = min(resting + number, KEPT_BYTES // each)
     kept: deque[Frame] = deque(maxlen=max(most, 2))
     for frame in frames:
         kept.append(replace(frame, image=frame.image[window].copy()))
@@ -190,7 +192,7 @@ def _expect(frame: Frame, thing: _Followed) -> Guess | None:
 def _rests(thing: _Followed) -> bool:
     """Tell whether the last sightings show no motion."""
     latest = [s.circle for s in thing.seen if abs(s.time - thing.seen[-1].time) <= REST_SECONDS]
-    enough = bool(thing.seen) and abs(thing.seen[-1].time - thing.seen[0].time) > REST_SECONDS
+    enough = len(thing.seen) > REST_FRAMES and abs(thing.seen[-1].time - thing.seen[0].time) > REST_SECONDS
     spread = np.ptp([(c.x, c.y) for c in latest], axis=0) if enough else np.inf
     return bool(np.max(spread) < AT_REST * thing.guess[2])
 

@@ -12,6 +12,7 @@ AFTER_SECONDS = 0.02
 PLAUSIBLE_FRICTION = 0.35
 """Over a few frames the deceleration may change by this times gravity: sliding ends."""
 CERTAIN = 5.0  # standard deviations
+THIRD_DIFFERENCE = 20**0.5  # 1 + 9 + 9 + 1: its standard deviation over that of a place
 
 
 def first_kink(time: FloatArray, place: FloatArray, sd: float, gravity: float) -> int | None:
@@ -24,7 +25,7 @@ def first_kink(time: FloatArray, place: FloatArray, sd: float, gravity: float) -
     place : (n, 2) array
         Any unit of length.
     sd : float
-        Standard deviation of a coordinate, same unit.
+        Standard deviation of a coordinate, same unit; more if the frames scatter more.
     gravity : float
         Same unit over s².
 
@@ -41,6 +42,7 @@ def first_kink(time: FloatArray, place: FloatArray, sd: float, gravity: float) -
     10
     """
     after = max(AFTER, round(AFTER_SECONDS / float(np.median(np.diff(time))))) if len(time) > 1 else AFTER
+    sd = max(sd, _scatter(place))
     for index in range(FEWEST_BEFORE, len(time) - after + 1):
         earlier = slice(max(0, index - BEFORE), index)
         later = slice(index, index + after)
@@ -50,6 +52,14 @@ def first_kink(time: FloatArray, place: FloatArray, sd: float, gravity: float) -
         if np.all(apart > CERTAIN * sd * spread + PLAUSIBLE_FRICTION * gravity / 2 * ahead**2):
             return index
     return None
+
+
+def _scatter(place: FloatArray) -> float:
+    """Noise of a coordinate, from third differences: no smooth motion shows in them, and few jumps."""
+    if len(place) < 4:
+        return 0.0
+    third = np.diff(place, 3, axis=0)
+    return 1.4826 * float(np.median(np.abs(third))) / THIRD_DIFFERENCE
 
 
 def _extrapolated(time: FloatArray, place: FloatArray, later: FloatArray) -> tuple[FloatArray, FloatArray]:
