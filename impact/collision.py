@@ -173,8 +173,8 @@ def _state_names(system: ImpactSystem, records: Record) -> Iterator[str]:
 
 def _events(records: Record, state: int) -> str:
     noted = records.events[0, : records.counts[0, 2]]
-    noted = noted[noted[:, 0] == state]
-    return "-".join(f"{EVENT_LETTERS[code]}{contact + 1}" for _, code, contact in noted.tolist())
+    first, last = np.searchsorted(noted[:, 0], [state, state + 1])
+    return "-".join(f"{EVENT_LETTERS[code]}{contact + 1}" for _, code, contact in noted[first:last].tolist())
 
 
 def _modes(codes: Array) -> tuple[ContactMode, ...]:

@@ -64,7 +64,7 @@ def collide(
     scene: Scene[Outcome],
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
-    rtol: float = 1e-12,
+    rtol: float = 1e-13,
 ) -> Outcome:
     """Let bodies collide at several contacts at once.
 

@@ -21,8 +21,10 @@ from impact.kernel import (
 )
 from impact.starting import starting_term
 
-STOPPED = 1e-9
-"""Slip velocity below which a contact has stopped sliding."""
+STOPPED = 30.0
+"""Slip velocity, over the tolerance, at which a slide is looked at for a stop."""
+AT_REST = 100.0
+"""Slip velocity, over the tolerance, that counts as none: well above what errors leave across the slide."""
 MOST_ROUNDS = 60
 
 
@@ -115,7 +117,11 @@ def turn_directions(core: Core) -> None:
     for index in range(core.contacts.size):
         contact = core.contacts[index]
         slip = math.hypot(core.velocity[3 * index + 1], core.velocity[3 * index + 2])
-        if contact.phase != INACTIVE and contact.mode in (STARTING, SLIDING) and slip > STOPPED:
+        if (
+            contact.phase != INACTIVE
+            and contact.mode in (STARTING, SLIDING)
+            and slip > STOPPED * core.tolerance
+        ):
             contact.mode = SLIDING
             contact.direction_1 = core.velocity[3 * index + 1] / slip
             contact.direction_2 = core.velocity[3 * index + 2] / slip
@@ -126,7 +132,7 @@ def friction_margin(core: Core, index: int, time: float) -> float:
     """How far an active contact is from leaving its mode; positive while it stays."""
     contact = core.contacts[index]
     if contact.mode == SLIDING:
-        return slip_along(core, index, time) - STOPPED
+        return slip_along(core, index, time) - STOPPED * core.tolerance
     if contact.mode == STICKING:
         first = value_at(core.forces, 3 * index + 1, time)
         second = value_at(core.forces, 3 * index + 2, time)

@@ -89,7 +89,7 @@ def collide_many(
     template: TwoBallDrop | CueShot,
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
-    rtol: float = 1e-12,
+    rtol: float = 1e-13,
     **parameters: npt.ArrayLike,
 ) -> ManyDrops | ManyShots:
     """Run one scene for arrays of parameters.

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from impact.friction import STOPPED, factor_held
+from impact.friction import AT_REST, factor_held
 from impact.kernel import (
     FRICTIONLESS,
     INACTIVE,
@@ -56,7 +56,7 @@ def _begin(core: Core, index: int) -> int:
         return 0
     row = 3 * index
     slip = math.hypot(core.velocity[row + 1], core.velocity[row + 2])
-    if slip <= 2.0 * STOPPED:
+    if slip <= AT_REST * core.tolerance:
         contact.mode = STICKING
         core.velocity[row + 1] = 0.0
         core.velocity[row + 2] = 0.0

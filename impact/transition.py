@@ -25,7 +25,7 @@ from impact.record import (
 from impact.series import spring_force
 from impact.sticking import choose_modes
 
-SETTLED = 1e-10
+SETTLED = 1e-9
 """Closing speed, and square root of the energy, below which nothing more is worth following."""
 MOMENT = 1e-4
 """How far ahead forces are looked at where contacts have just begun and have none yet."""
