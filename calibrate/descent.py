@@ -16,8 +16,9 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 8
 _ARRIVED = 1e-3  # a search has arrived when its next step promises less gain of chi-square than this
-_OUT_OF_REACH = 100.0  # a search this far above the smallest chi-square is given up
-_NEAR = 50.0  # jumps are followed only by searches this close to the smallest chi-square
+_OUT_OF_REACH = 30.0  # a search is given up when its chi-square is above the smallest by that of so many sd
+_NEAR = 30.0  # jumps are followed only by searches closer than that of so many sd
+_STRIDES = (0.002, 0.006, 0.018)  # in restitution, when looking for the other side of a jump
 _COMPASS = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
 
 
@@ -60,14 +61,14 @@ class Trace:
         return Trace(log_ratio=self.log_ratio, restitutions=restitutions, chi_square=chi_square)
 
 
-def search(misfit: Misfit, log_ratio: Array) -> Trace:
-    """Descend, at every ratio, from the two best of a net of plausible restitutions."""
+def search(misfit: Misfit, log_ratio: Array, ceiling: Array | float = np.inf) -> Trace:
+    """Descend, at every ratio, from the most plausible restitutions; `ceiling` as for `descend`."""
     seeds = misfit.likely_restitutions()
-    if len(seeds) == 1:
-        return descend(misfit, log_ratio, np.tile(seeds, (len(log_ratio), 1)))
-    net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
-    ranking = np.argsort(net.reshape(len(log_ratio), -1), axis=1)
-    return best_of([descend(misfit, log_ratio, seeds[ranking[:, place]]) for place in range(2)])
+    start = np.tile(seeds[0], (len(log_ratio), 1))
+    if len(seeds) > 1:
+        net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
+        start = seeds[np.argmin(net.reshape(len(log_ratio), len(seeds)), axis=1)]
+    return descend(misfit, log_ratio, start, ceiling)
 
 
 def best_of(traces: Sequence[Trace]) -> Trace:
@@ -103,26 +104,37 @@ def descend(misfit: Misfit, log_ratio: Array, start: Array, ceiling: Array | flo
     at = np.clip(start, 0.0, 1.0)
     residuals = misfit.residuals(log_ratio, at)
     ceiling = np.broadcast_to(ceiling, len(at))
+    out_of_reach = misfit.rebounds.chi_square_at(_OUT_OF_REACH)
     damping = np.full(len(at), 1e-3)
     going = np.arange(len(at))
     for _ in range(_ROUNDS):
+        if not going.size:
+            break
         slopes = jacobian(misfit, log_ratio[going], at[going], residuals[going])
         step, promised = _step(slopes, residuals[going], damping[going])
         expected = _squared(residuals[going]) - promised
         worth = (promised > _ARRIVED) & (expected < ceiling[going])
-        worth &= expected < expected.min(initial=np.inf) + _OUT_OF_REACH
+        worth &= expected < expected.min(initial=np.inf) + out_of_reach
         going, step = going[worth], step[worth]
-        if not going.size:
-            break
         trial = np.clip(at[going] + step, 0.0, 1.0)
         after = misfit.residuals(log_ratio[going], trial)
         better = _squared(after) < _squared(residuals[going])
         at[going[better]], residuals[going[better]] = trial[better], after[better]
         damping[going] *= np.where(better, 0.1, 30.0)
         chi_square = _squared(residuals)
-        going = going[chi_square[going] < chi_square.min() + _OUT_OF_REACH]
+        going = going[chi_square[going] < chi_square.min() + out_of_reach]
     trace = Trace(log_ratio=log_ratio, restitutions=at, chi_square=_squared(residuals))
     return _along_jumps(misfit, trace, going)
+
+
+def over_the_edge(misfit: Misfit, log_ratio: Array, start: Array) -> Array:
+    """Look around each start, (G, 2), for the other side of a jump; the best place found, (G, 2)."""
+    steps = np.concatenate([np.zeros((1, 2)), *(radius * _COMPASS for radius in _STRIDES)])
+    tries = np.clip(start[:, None, :] + steps, 0.0, 1.0)
+    chi_square = misfit.chi_square(np.repeat(log_ratio, len(steps)), tries.reshape(-1, 2))
+    return np.asarray(
+        tries[np.arange(len(start)), np.argmin(chi_square.reshape(len(start), len(steps)), axis=1)]
+    )
 
 
 def jacobian(misfit: Misfit, log_ratio: Array, restitutions: Array, residuals: Array) -> Array:
@@ -147,7 +159,8 @@ def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array
 
 def _along_jumps(misfit: Misfit, trace: Trace, rows: NDArray[np.int64]) -> Trace:
     """Compass search for those that did not arrive: they stand at a jump, where no slope leads on."""
-    rows = rows[trace.chi_square[rows] < trace.chi_square.min() + _NEAR]
+    near = trace.chi_square.min() + misfit.rebounds.chi_square_at(_NEAR)
+    rows = rows[trace.chi_square[rows] < near]
     if not rows.size:
         return trace
     at, lowest = trace.restitutions[rows], trace.chi_square[rows]

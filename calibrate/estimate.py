@@ -73,12 +73,12 @@ class MassPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """Chi-square over the stiffness ratio, and the largest not excluded: columns of equal length."""
+    """Chi-square over the stiffness ratio, columns of equal length, and the largest not excluded."""
 
     stiffness_ratio: tuple[float, ...] = ()
     chi_square: tuple[float, ...] = ()
-    limit_68: tuple[float, ...] = ()
-    limit_95: tuple[float, ...] = ()
+    limit_68: float = 0.0
+    limit_95: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

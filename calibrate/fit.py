@@ -1,38 +1,29 @@
 """Fit restitution and stiffness ratio to a table of trials."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from calibrate.estimate import Calibration, Curve, Estimate, MassPair
-from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, joined, verdict
+from calibrate.estimate import Calibration, Curve, Estimate
 from calibrate.misfit import Misfit
-from calibrate.model import LINEAR, state_sequence
+from calibrate.model import LINEAR
 from calibrate.notes import OwnDrops, notes_on_fit, notes_on_trials
 from calibrate.observed import Found, Observed, found_in, observed_restitution
-from calibrate.profile import LEVELS, RATIO_LIMITS, Profile, propagate, trace_profile
+from calibrate.outcome import (
+    UNKNOWN_RATIO,
+    UNKNOWN_RESTITUTION,
+    curve_of,
+    estimate_from_own_drops,
+    mass_pairs,
+    restitution_estimates,
+    stiffness_estimate,
+)
+from calibrate.profile import trace_profile
 from calibrate.repeats import Repeats, known
 
-Array = NDArray[np.float64]
 Known = tuple[float, float]
-
-_RESTITUTION_LIMITS = (0.0, 1.0)
-_WIDEST_RESTITUTION = 0.5
-_SAME_RESTITUTION = 0.005  # intervals closer together than this are one
-_WIDEST_RATIO = 4.0  # a 95 % interval that spans a larger factor does not name a value
-_UNKNOWN_RESTITUTION = Estimate(
-    value=None,
-    sd=None,
-    intervals_68=(_RESTITUTION_LIMITS,),
-    intervals_95=(_RESTITUTION_LIMITS,),
-    verdict=NOT_DETERMINED,
-)
-_UNKNOWN_RATIO = Estimate(
-    value=None, sd=None, intervals_68=(RATIO_LIMITS,), intervals_95=(RATIO_LIMITS,), verdict=NOT_DETERMINED
-)
 
 
 def fit_restitution(trials: pd.DataFrame, kind: str) -> Estimate:
@@ -68,7 +59,7 @@ def fit_restitution(trials: pd.DataFrame, kind: str) -> Estimate:
     found = observed_restitution(trials, kind)
     if found is None:
         raise ValueError(f"no usable trial of kind {kind!r}")
-    return _from_own_drops(found.repeats)
+    return estimate_from_own_drops(found.repeats)
 
 
 def fit_stiffness_ratio(
@@ -105,9 +96,11 @@ def fit_stiffness_ratio(
     ------
     TrialTableError
         If no trial of kind plate, held or two is usable.
+    ValueError
+        If a known restitution is outside [0, 1] or its sd not above zero.
     """
     found = found_in(trials)
-    own = (_own(ball_ball, found.held), _own(ball_table, found.plate))
+    own = (_own("ball_ball", ball_ball, found.held), _own("ball_table", ball_table, found.plate))
     if found.two is None:
         return _without_two_balls(trials, found, own, exponent, provenance or {})
     misfit = Misfit(
@@ -118,9 +111,9 @@ def fit_stiffness_ratio(
         exponent=exponent,
     )
     profile = trace_profile(misfit)
-    pairs = _pairs(misfit, profile, found.two)
-    ratio = _stiffness_estimate(profile)
-    ball_ball_estimate, ball_table_estimate = _restitution_estimates(misfit, profile)
+    pairs = mass_pairs(misfit, profile, found.two)
+    ratio = stiffness_estimate(profile)
+    ball_ball_estimate, ball_table_estimate = restitution_estimates(misfit, profile)
     return Calibration(
         restitution_ball_ball=ball_ball_estimate,
         restitution_ball_table=ball_table_estimate,
@@ -131,27 +124,32 @@ def fit_stiffness_ratio(
         degrees_of_freedom=misfit.degrees_of_freedom,
         exponent=exponent,
         notes=(*notes_on_trials(trials, found, own), *notes_on_fit(misfit, profile, ratio)),
-        profile=_curve(profile),
+        profile=curve_of(profile),
         provenance=provenance or {},
     )
 
 
-def _own(known_value: Known | None, drops: Observed | None) -> Repeats | None:
-    if known_value is not None:
-        return known(*known_value)
-    return None if drops is None else drops.repeats
+def _own(name: str, known_value: Known | None, drops: Observed | None) -> Repeats | None:
+    if known_value is None:
+        return None if drops is None else drops.repeats
+    value, sd = known_value
+    if not 0 <= value <= 1:
+        raise ValueError(f"{name} must be within [0, 1], got {value:g}")
+    if not sd > 0:
+        raise ValueError(f"sd of {name} must be above zero, got {sd:g}")
+    return known(value, sd)
 
 
 def _without_two_balls(
     trials: pd.DataFrame, found: Found, own: OwnDrops, exponent: float, provenance: Mapping[str, Any]
 ) -> Calibration:
     ball_ball, ball_table = (
-        _UNKNOWN_RESTITUTION if drops is None else _from_own_drops(drops) for drops in own
+        UNKNOWN_RESTITUTION if drops is None else estimate_from_own_drops(drops) for drops in own
     )
     return Calibration(
         restitution_ball_ball=ball_ball,
         restitution_ball_table=ball_table,
-        stiffness_ratio=_UNKNOWN_RATIO,
+        stiffness_ratio=UNKNOWN_RATIO,
         states=(),
         pairs=(),
         chi_square=0.0,
@@ -161,109 +159,3 @@ def _without_two_balls(
         profile=Curve(),
         provenance=provenance,
     )
-
-
-def _from_own_drops(drops: Repeats) -> Estimate:
-    intervals = [[_clipped(drops.interval(level))] for level in LEVELS]
-    return _restitution_estimate(float(drops.means[0, 0]), intervals, drops.mean_sd())
-
-
-def _restitution_estimates(misfit: Misfit, profile: Profile) -> tuple[Estimate, Estimate]:
-    """Restitutions of the joint fit, with the sets every accepted stiffness ratio allows them."""
-    reach = [
-        propagate(misfit, profile, level, lambda log_ratio, restitutions: restitutions) for level in LEVELS
-    ]
-    ball_ball, ball_table = (
-        _restitution_estimate(
-            profile.basins[0].restitutions[column],
-            [
-                [_clipped(pair) for pair in zip(low[:, column], high[:, column], strict=True)]
-                for low, high in reach
-            ],
-        )
-        for column in range(2)
-    )
-    return ball_ball, ball_table
-
-
-def _restitution_estimate(value: float, intervals: list[list[Interval]], sd: float | None = None) -> Estimate:
-    inner, outer = (joined(level, gap=_SAME_RESTITUTION) for level in intervals)
-    word = verdict(outer, _RESTITUTION_LIMITS, _WIDEST_RESTITUTION)
-    return _estimate(value, inner, outer, word, sd)
-
-
-def _stiffness_estimate(profile: Profile) -> Estimate:
-    inner, outer = (profile.intervals(level) for level in LEVELS)
-    logs = tuple((float(np.log(low)), float(np.log(high))) for low, high in outer)
-    limits = (float(np.log(RATIO_LIMITS[0])) + 1e-9, float(np.log(RATIO_LIMITS[1])) - 1e-9)
-    word = verdict(logs, limits, float(np.log(_WIDEST_RATIO)))
-    return _estimate(profile.basins[0].stiffness_ratio, inner, outer, word)
-
-
-def _estimate(
-    value: float, inner: tuple[Interval, ...], outer: tuple[Interval, ...], word: str, sd: float | None = None
-) -> Estimate:
-    around = [(low, high) for low, high in inner if low <= value <= high]
-    return Estimate(
-        value=value if word in (ONE_VALUE, SEVERAL_VALUES) else None,
-        sd=(sd or (around[0][1] - around[0][0]) / 2) if word == ONE_VALUE and around else None,
-        intervals_68=inner,
-        intervals_95=outer,
-        verdict=word,
-    )
-
-
-def _pairs(misfit: Misfit, profile: Profile, two: Observed) -> tuple[MassPair, ...]:
-    best = profile.basins[0]
-    fitted = _predictions(misfit)(np.log([best.stiffness_ratio]), np.array([best.restitutions]))[0].reshape(
-        -1, 2
-    )
-    bands = [_bands(misfit, profile, level) for level in LEVELS]
-    return tuple(
-        MassPair(
-            mass_ratio=float(ratio),
-            trials=int(two.trials[pair]),
-            measured=_two(two.repeats.means[pair]),
-            measured_sd=(two.repeats.mean_sd(pair, 0), two.repeats.mean_sd(pair, 1)),
-            fitted=_two(fitted[pair]),
-            fitted_68=bands[0][pair],
-            fitted_95=bands[1][pair],
-            states=state_sequence(
-                best.stiffness_ratio, best.restitutions, float(ratio), exponent=misfit.exponent
-            ),
-        )
-        for pair, ratio in enumerate(misfit.mass_ratios)
-    )
-
-
-def _bands(misfit: Misfit, profile: Profile, level: float) -> list[tuple[Interval, Interval]]:
-    """Range of both velocity ratios of each mass pair over all parameters inside the confidence set."""
-    low, high = propagate(misfit, profile, level, _predictions(misfit))
-    ends = np.stack([low.min(axis=0), high.max(axis=0)], axis=1).reshape(-1, 2, 2)
-    return [(_two(upper), _two(lower)) for upper, lower in ends]
-
-
-def _predictions(misfit: Misfit) -> Callable[[Array, Array], Array]:
-    """Velocity ratios of all mass pairs, (N, 2 J), as a function of the parameters."""
-    return lambda log_ratio, restitutions: misfit.predicted(log_ratio, restitutions).reshape(
-        len(log_ratio), -1
-    )
-
-
-def _curve(profile: Profile) -> Curve:
-    return Curve(
-        stiffness_ratio=tuple(np.exp(profile.trace.log_ratio).tolist()),
-        chi_square=tuple(profile.trace.chi_square.tolist()),
-        limit_68=tuple(profile.limits(0.68).tolist()),
-        limit_95=tuple(profile.limits(0.95).tolist()),
-    )
-
-
-def _two(values: Array) -> tuple[float, float]:
-    first, second = values.tolist()
-    return first, second
-
-
-def _clipped(interval: Interval) -> Interval:
-    low, high = np.clip(interval, *_RESTITUTION_LIMITS)
-    return float(low), float(high)

@@ -41,6 +41,8 @@ class Misfit:
     def predicted(self, log_ratio: Array, restitutions: Array) -> Array:
         """Velocity ratios the model gives each mass pair, (N, J, 2); parameters as for `residuals`."""
         pairs = len(self.mass_ratios)
+        if not log_ratio.size:
+            return np.empty((0, pairs, 2))
         ratios = rebound_ratios(
             np.repeat(np.exp(log_ratio), pairs),
             np.repeat(restitutions, pairs, axis=0),

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibrate.basins import Basin, refined_basins
-from calibrate.descent import Trace, best_of, descend, jacobian, search
+from calibrate.descent import Trace, best_of, descend, jacobian, over_the_edge, search
 from calibrate.intervals import Interval, joined
-from calibrate.limits import limits
+from calibrate.limits import limit
 from calibrate.misfit import Misfit
 
 Array = NDArray[np.float64]
@@ -23,10 +23,14 @@ LEVELS = (0.68, 0.95)
 RATIO_LIMITS = (1e-3, 1e3)
 _GRID_POINTS = 160
 _MOST_ROUNDS = 10
+_CLIFF = 5.0  # difference of chi-square between neighbours which may be no slope
+_WORTHWHILE = 0.02  # improvement of chi-square for which a search is repeated
 _ELSEWHERE = 2e-3  # restitutions farther apart than this belong to different searches
-_MAY_BE_DEEP = 100.0  # how far above the smallest chi-square a minimum of the grid is still followed down
+_MAY_BE_DEEP = 30.0  # a minimum of the grid is followed down if its chi-square is below that of so many sd
+_WORTH_ASKING = 10.0  # and a point asks its neighbours if below that of so many sd
 _WORTH_A_LOOK = 12.0  # how far above the smallest chi-square the profile is still followed closely
 _FINEST_SPACING = 0.02  # of the profile as a curve, in the logarithm
+_STEEP = 2.0  # change of chi-square from point to point above which that is not fine enough
 _EDGE_PRECISION = 2e-3  # of an interval's edge, relative
 _SAME_INTERVAL = 0.02  # intervals closer than this (relative) are one: no experiment tells them apart
 
@@ -62,11 +66,11 @@ class Profile:
 
     def inside(self, level: float) -> NDArray[np.bool_]:
         """Tell which points of the trace a confidence level does not exclude, (G,)."""
-        return np.asarray(self.trace.chi_square <= self.limits(level))
+        return np.asarray(self.trace.chi_square <= self.limit(level))
 
-    def limits(self, level: float) -> Array:
-        """Largest chi-square a confidence level does not exclude at each point of the trace, (G,)."""
-        return limits(self.trace.chi_square, self.degrees_of_freedom, level)
+    def limit(self, level: float) -> float:
+        """Largest chi-square a confidence level does not exclude."""
+        return limit(float(self.trace.chi_square.min()), self.degrees_of_freedom, level)
 
 
 def trace_profile(misfit: Misfit) -> Profile:
@@ -83,9 +87,12 @@ def trace_profile(misfit: Misfit) -> Profile:
         With the edges of its 68 % and 95 % sets located to two parts in a thousand.
     """
     trace = _spread(misfit, search(misfit, _grid()))
-    for _ in range(3):
-        trace = _finer(misfit, trace, _beside_minima(trace))
-    trace = _spread(misfit, _finer(misfit, trace, _worth_a_look(trace)))
+    for _ in range(_MOST_ROUNDS // 2):
+        trace = _finer(misfit, trace, _beside_minima(misfit, trace))
+    trace = _spread(misfit, trace)
+    for _ in range(_MOST_ROUNDS // 2):
+        trace = _finer(misfit, trace, _coarse(trace))
+    trace = _spread(misfit, trace)
     basins = refined_basins(misfit, trace, _WORTH_A_LOOK)
     trace = trace.merged(_as_trace(basins))
     for level in LEVELS:
@@ -117,7 +124,7 @@ def propagate(
     """
     inside = profile.inside(level)
     log_ratio, at = profile.trace.log_ratio[inside], profile.trace.restitutions[inside]
-    room = (profile.limits(level) - profile.trace.chi_square)[inside]
+    room = profile.limit(level) - profile.trace.chi_square[inside]
     slopes = jacobian(misfit, log_ratio, at, misfit.residuals(log_ratio, at))
     covariance = np.linalg.inv(np.swapaxes(slopes, 1, 2) @ slopes + 1e-9 * np.eye(2))
     value = quantity(log_ratio, at)
@@ -148,37 +155,39 @@ def _grid() -> Array:
 
 def _spread(misfit: Misfit, trace: Trace) -> Trace:
     """Let ratios try where better neighbours ended, until a basin once found is followed to its end."""
+    hopeful = trace.chi_square.min() + misfit.rebounds.chi_square_at(_WORTH_ASKING)
     for _ in range(_MOST_ROUNDS):
         before = trace.chi_square
         for shift in (1, -1):
             neighbour = np.roll(trace.restitutions, shift, axis=0)
-            better = np.roll(trace.chi_square, shift) < trace.chi_square
+            better = np.roll(trace.chi_square, shift) < np.minimum(trace.chi_square, hopeful)
             elsewhere = np.abs(neighbour - trace.restitutions).max(axis=1) > _ELSEWHERE
-            asked = np.flatnonzero(
-                better & elsewhere & (trace.chi_square < trace.chi_square.min() + _MAY_BE_DEEP)
-            )
+            asked = np.flatnonzero(better & elsewhere)
             if asked.size:
-                found = descend(
-                    misfit, trace.log_ratio[asked], neighbour[asked], trace.chi_square[asked] - 0.02
-                )
-                trace = trace.improved(asked, found)
-        if np.all(trace.chi_square > before - 0.01):
+                start = neighbour[asked]
+                cliff = trace.chi_square[asked] > np.roll(trace.chi_square, shift)[asked] + _CLIFF
+                start[cliff] = over_the_edge(misfit, trace.log_ratio[asked[cliff]], start[cliff])
+                ceiling = trace.chi_square[asked] - _WORTHWHILE
+                trace = trace.improved(asked, descend(misfit, trace.log_ratio[asked], start, ceiling))
+        if np.all(trace.chi_square > before - _WORTHWHILE):
             break
     return trace
 
 
-def _beside_minima(trace: Trace) -> NDArray[np.bool_]:
+def _beside_minima(misfit: Misfit, trace: Trace) -> NDArray[np.bool_]:
     """Gaps on both sides of a local minimum, which may be far deeper than the grid has seen."""
     walled = np.concatenate([[np.inf], trace.chi_square, [np.inf]])
     lowest = (trace.chi_square <= walled[:-2]) & (trace.chi_square <= walled[2:])
-    lowest &= trace.chi_square < trace.chi_square.min() + _MAY_BE_DEEP
+    lowest &= trace.chi_square < trace.chi_square.min() + misfit.rebounds.chi_square_at(_MAY_BE_DEEP)
     return np.asarray((lowest[:-1] | lowest[1:]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION))
 
 
-def _worth_a_look(trace: Trace) -> NDArray[np.bool_]:
-    lower = np.minimum(trace.chi_square[:-1], trace.chi_square[1:])
-    wide = np.diff(trace.log_ratio) > _FINEST_SPACING
-    return np.asarray((lower < trace.chi_square.min() + _WORTH_A_LOOK) & wide)
+def _coarse(trace: Trace) -> NDArray[np.bool_]:
+    """Gaps near the bottom across which chi-square changes too much, or which are too wide, for a curve."""
+    near = np.minimum(trace.chi_square[:-1], trace.chi_square[1:]) < trace.chi_square.min() + _WORTH_A_LOOK
+    gap = np.diff(trace.log_ratio)
+    steep = (np.abs(np.diff(trace.chi_square)) > _STEEP) & (gap > _EDGE_PRECISION)
+    return np.asarray(near & (steep | (gap > _FINEST_SPACING)))
 
 
 def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
@@ -188,17 +197,25 @@ def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
         return trace
     middle = (trace.log_ratio[left] + trace.log_ratio[left + 1]) / 2
     neighbours = [descend(misfit, middle, trace.restitutions[side]) for side in (left, left + 1)]
-    return trace.merged(best_of(neighbours))
+    found = best_of(neighbours)
+    return trace.merged(best_of([found, search(misfit, middle, found.chi_square)]))
 
 
 def _with_edges(misfit: Misfit, trace: Trace, level: float) -> Trace:
-    """Locate by bisection where the profile crosses its limit."""
-    while True:
-        inside = trace.chi_square <= limits(trace.chi_square, misfit.degrees_of_freedom, level)
-        crossing = (inside[1:] != inside[:-1]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION)
-        if not crossing.any():
-            return trace
-        trace = _finer(misfit, trace, crossing)
+    """Locate by bisection where the profile crosses its limit, and make sure that it does so there."""
+    for _ in range(_MOST_ROUNDS):
+        while (crossing := _crossing(misfit, trace, level)).any():
+            trace = _finer(misfit, trace, crossing)
+        before, trace = trace, _spread(misfit, trace)
+        if np.all(trace.chi_square > before.chi_square - _WORTHWHILE):
+            break
+    return trace
+
+
+def _crossing(misfit: Misfit, trace: Trace, level: float) -> NDArray[np.bool_]:
+    """Gaps, wider than the precision wanted, in which the profile crosses its limit."""
+    inside = trace.chi_square <= limit(float(trace.chi_square.min()), misfit.degrees_of_freedom, level)
+    return np.asarray((inside[1:] != inside[:-1]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION))
 
 
 def _as_trace(basins: list[Basin]) -> Trace:

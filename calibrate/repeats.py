@@ -67,7 +67,7 @@ class Repeats:
             np.sqrt(self.weights)[:, None]
             * np.linalg.solve(np.linalg.cholesky(self.spread), off[..., None])[..., 0]
         )
-        flat = white.reshape(*white.shape[:-2], -1)
+        flat = white.reshape(*white.shape[:-2], self.means.size)
         if not np.isfinite(self.degrees_of_freedom):
             return flat
         plain = np.sum(flat**2, axis=-1)
@@ -83,11 +83,18 @@ class Repeats:
         reach = stats.t.ppf(0.5 + level / 2, self.degrees_of_freedom) * self.mean_sd()
         return float(self.means[0, 0] - reach), float(self.means[0, 0] + reach)
 
+    def chi_square_at(self, distance: float) -> float:
+        """Chi-square that a mean so many standard deviations off amounts to, the fewer repeats the less."""
+        if not np.isfinite(self.degrees_of_freedom):
+            return distance**2
+        return float(self._chi_square_of(np.array(np.log1p(distance**2 / self.degrees_of_freedom))))
+
     def _equivalent_chi_square(self, white: Array) -> Array:
-        groups, channels = self.means.shape
         hypothesis = np.swapaxes(white, -1, -2) @ white / self.degrees_of_freedom
-        log_lambda = np.log(np.linalg.det(np.eye(channels) + hypothesis))
-        abscissa, ordinate = _small_sample_law(groups, channels, self.degrees_of_freedom)
+        return self._chi_square_of(np.log(np.linalg.det(np.eye(self.means.shape[1]) + hypothesis)))
+
+    def _chi_square_of(self, log_lambda: Array) -> Array:
+        abscissa, ordinate = _small_sample_law(*self.means.shape, self.degrees_of_freedom)
         beyond = np.maximum(log_lambda - abscissa[-1], 0.0)
         slope = (ordinate[-1] - ordinate[-2]) / (abscissa[-1] - abscissa[-2])
         return np.asarray(np.interp(log_lambda, abscissa, ordinate) + slope * beyond)

@@ -30,8 +30,8 @@ class ProfilePlot:
     ----------
     stiffness_ratio, rise : ndarray (G,)
         Chi-square above its minimum.
-    limit_68, limit_95 : ndarray (G,)
-        Largest rise not excluded; smaller in the best valley than in others.
+    limits : tuple of (name, rise)
+        Largest rise not excluded at each confidence level.
     intervals_68, intervals_95 : tuple of (low, high)
         Confidence sets.
     title : str
@@ -40,8 +40,7 @@ class ProfilePlot:
 
     stiffness_ratio: Array
     rise: Array
-    limit_68: Array
-    limit_95: Array
+    limits: tuple[tuple[str, float], ...]
     intervals_68: tuple[Interval, ...]
     intervals_95: tuple[Interval, ...]
     title: str
@@ -62,8 +61,10 @@ def compute(calibration: Calibration) -> ProfilePlot:
     return ProfilePlot(
         stiffness_ratio=np.array(calibration.profile.stiffness_ratio),
         rise=chi_square - chi_square.min(),
-        limit_68=np.array(calibration.profile.limit_68) - chi_square.min(),
-        limit_95=np.array(calibration.profile.limit_95) - chi_square.min(),
+        limits=(
+            ("68 %", calibration.profile.limit_68 - chi_square.min()),
+            ("95 %", calibration.profile.limit_95 - chi_square.min()),
+        ),
         intervals_68=estimate.intervals_68,
         intervals_95=estimate.intervals_95,
         title=_title(estimate),
@@ -80,7 +81,7 @@ def draw(plot: ProfilePlot) -> Figure:
     near.set_xlim(plot.intervals_95[0][0] / 1.35, plot.intervals_95[-1][1] * 1.35)
     label(whole, ("", "χ² above its minimum", plot.title))
     label(near, ("k₂/k₁, ball-table over ball-ball stiffness", "χ² above its minimum", ""))
-    caption = "dashed: limits of the 68 % and 95 % sets, lower in the valley of the best fit; sets shaded"
+    caption = "shaded: the 68 % and 95 % sets, everything below the dashed lines"
     near.text(0.01, 1.02, caption, transform=near.transAxes, fontsize=7.5, color=QUIET)
     _mark_plainly(near)
     return figure
@@ -94,10 +95,11 @@ def main(out: Path, calibration: Calibration) -> None:
 def _draw_profile(axes: Axes, plot: ProfilePlot) -> None:
     _shade(axes, plot.intervals_95, 0.14)
     _shade(axes, plot.intervals_68, 0.22)
-    for name, limit in (("68 %", plot.limit_68), ("95 %", plot.limit_95)):
-        axes.plot(plot.stiffness_ratio, limit, "--", color=QUIET, linewidth=0.8, drawstyle="steps-mid")
-        place = (1.005, limit[-1])
-        axes.text(*place, name, transform=axes.get_yaxis_transform(), fontsize=8, va="center", color=QUIET)
+    for name, rise in plot.limits:
+        axes.axhline(rise, color=QUIET, linewidth=0.8, linestyle="--")
+        axes.text(
+            1.005, rise, name, transform=axes.get_yaxis_transform(), fontsize=8, va="center", color=QUIET
+        )
     axes.plot(plot.stiffness_ratio, np.minimum(plot.rise, 2 * _HIGHEST), color=DARK, linewidth=1.2)
     axes.set_xscale("log")
     axes.set_ylim(0.0, _HIGHEST)

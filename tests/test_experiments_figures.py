@@ -47,8 +47,8 @@ def calibration() -> Calibration:
         profile=Curve(
             stiffness_ratio=(1e-3, 9.0, 9.8, 10.0, 10.2, 1e3),
             chi_square=(90.0, 20.0, 4.84, 1.0, 4.84, 90.0),
-            limit_68=(2.0,) * 6,
-            limit_95=(4.84,) * 6,
+            limit_68=2.0,
+            limit_95=4.84,
         ),
     )
 
