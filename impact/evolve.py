@@ -23,6 +23,9 @@ from impact.record import Record, note_sample
 from impact.series import FOOT, expand, longest_step
 
 EVENT_TOLERANCE = 2e-14
+LOWEST_TOLERANCE = 1e-8
+"""Of the time of a lowest point, relative; the lowest value itself is then exact to rounding."""
+MOST_GUESSES = 100
 SAMPLES_PER_PART = 6
 MOST_PARTS = 8
 MOST_STEPS = 100_000
@@ -139,37 +142,62 @@ def _dips(core: Core, index: int, left: float, right: float) -> bool:
 
 @compiled
 def _lowest(core: Core, index: int, left: float, right: float) -> float:
-    """Time where the normal acceleration of a contact changes sign, by bisection."""
+    """Time where the normal acceleration of a contact changes sign: there its velocity is lowest."""
     row = index * core.rows
     sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
-    for _ in range(48):
-        middle = 0.5 * (left + right)
-        if sign * slope_at(core.velocities, row, middle) < 0.0:
-            left = middle
+    falling = sign * slope_at(core.velocities, row, left)
+    rising = sign * slope_at(core.velocities, row, right)
+    finest = LOWEST_TOLERANCE * (right - left)
+    side = 0
+    for iteration in range(MOST_GUESSES):
+        guess = between(left, right, falling, rising, iteration)
+        slope = sign * slope_at(core.velocities, row, guess)
+        if slope < 0.0:
+            moved, left, falling = guess - left, guess, slope
+            rising *= 0.5 if side < 0 else 1.0
+            side = -1
         else:
-            right = middle
+            moved, right, rising = right - guess, guess, slope
+            falling *= 0.5 if side > 0 else 1.0
+            side = 1
+        if moved <= finest or right - left <= finest:
+            break
     return right
 
 
 @compiled
 def _root(core: Core, index: int, left: float, right: float) -> float:
-    """Time where the margin of a contact vanishes: secant steps with the Illinois rule."""
+    """Time where the margin of a contact vanishes."""
     above = max(margin(core, index, left), 1e-300)
     below = margin(core, index, right)
-    for iteration in range(100):
-        guess = (left * below - right * above) / (below - above)
-        if iteration % 4 == 3 or not left < guess < right:
-            guess = 0.5 * (left + right)
+    side = 0
+    for iteration in range(MOST_GUESSES):
+        guess = between(left, right, above, below, iteration)
         value = margin(core, index, guess)
         if abs(value) <= EVENT_TOLERANCE or right - left <= 1e-15 * right:
             return guess
         if value > 0.0:
             left, above = guess, value
-            below *= 0.5
+            below *= 0.5 if side < 0 else 1.0
+            side = -1
         else:
             right, below = guess, value
-            above *= 0.5
+            above *= 0.5 if side > 0 else 1.0
+            side = 1
     return right
+
+
+@compiled
+def between(left: float, right: float, at_left: float, at_right: float, iteration: int) -> float:
+    """Guess a root between two times: a secant step, and a halving if that has gone on for long.
+
+    The callers halve the value at an end that stays where it is twice (the Illinois rule; M. Dowell,
+    P. Jarratt, BIT 11 (1971) 168-174, doi:10.1007/BF01934364), so that both ends close in.
+    """
+    guess = (left * at_right - right * at_left) / (at_right - at_left)
+    if iteration % 16 == 15 or not left < guess < right:
+        return 0.5 * (left + right)
+    return guess
 
 
 @compiled

@@ -33,7 +33,10 @@ FRICTIONLESS, STICKING, STARTING, SLIDING = (int(mode) for mode in ContactMode)
 SPEED_FLOOR = 1e-13
 """A contact velocity this small counts as zero; it also keeps a grazing contact from chattering."""
 ORDER = 20
-"""Order of the Taylor series; a step at tolerance 1e-12 then spans about two radians of the oscillation."""
+"""Order of the Taylor series; a step at tolerance 1e-12 then spans about two radians of the oscillation.
+
+A multiple of four, for `value_at`.
+"""
 
 CONTACT = np.dtype(
     [
@@ -89,17 +92,29 @@ def elastic_energy(core: Core, index: int) -> float:
 
 @compiled
 def value_at(series: Array, row: int, time: float) -> float:
-    """Value of one series of a table at σ = `time`, by Horner's rule."""
-    total = 0.0
-    for order in range(ORDER, -1, -1):
-        total = total * time + series[row, order]
-    return total
+    """Value of one series of a table at σ = `time`, by Horner's rule in four strands.
+
+    The processor follows the strands side by side; one strand would wait for itself at every term.
+    """
+    fourth = (time * time) * (time * time)
+    zeroth = series[row, ORDER]
+    first = second = third = 0.0
+    for order in range(ORDER - 4, -1, -4):
+        third = third * fourth + series[row, order + 3]
+        second = second * fourth + series[row, order + 2]
+        first = first * fourth + series[row, order + 1]
+        zeroth = zeroth * fourth + series[row, order]
+    return float(zeroth + time * (first + time * (second + time * third)))
 
 
 @compiled
 def slope_at(series: Array, row: int, time: float) -> float:
-    """Slope of one series of a table at σ = `time`."""
-    total = 0.0
-    for order in range(ORDER, 0, -1):
-        total = total * time + order * series[row, order]
-    return total
+    """Slope of one series of a table at σ = `time`, in the same way."""
+    fourth = (time * time) * (time * time)
+    zeroth = first = second = third = 0.0
+    for order in range(ORDER - 4, -1, -4):
+        third = third * fourth + (order + 4) * series[row, order + 4]
+        second = second * fourth + (order + 3) * series[row, order + 3]
+        first = first * fourth + (order + 2) * series[row, order + 2]
+        zeroth = zeroth * fourth + (order + 1) * series[row, order + 1]
+    return float(zeroth + time * (first + time * (second + time * third)))

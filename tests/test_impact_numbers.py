@@ -12,10 +12,10 @@ from impact import Ball, BallChain, Contact, Cue, CueShot, RestitutionLaw, TwoBa
 UNIT = Ball(mass=1.0, radius=0.02)
 
 
-def drop(ratio: float = 10.0, upper: float = 0.9**0.5, lower: float = 0.4**0.5, **changes) -> TwoBallDrop:
+def drop(ratio: float = 10.0, e1: float = 0.9**0.5, e2: float = 0.4**0.5, **changes) -> TwoBallDrop:
     values = {"upper": UNIT, "lower": UNIT, "approach_velocity": -3.0} | changes
     return TwoBallDrop(
-        ball_ball=Contact(restitution=upper), ball_table=Contact(restitution=lower, stiffness=ratio), **values
+        ball_ball=Contact(restitution=e1), ball_table=Contact(restitution=e2, stiffness=ratio), **values
     )
 
 
@@ -54,18 +54,18 @@ def test_figure_4_impulses_at_the_end_of_each_state():
 
 @pytest.mark.paper
 def test_figure_5_slopes():
-    outcome = collide(drop(upper=0.807755, lower=0.846529, approach_velocity=-1.0))
+    outcome = collide(drop(e1=0.807755, e2=0.846529, approach_velocity=-1.0))
     assert outcome.velocities == pytest.approx([0.7793977, 0.1866439], abs=5e-8)
 
 
 def test_a_rigid_table_leaves_the_lower_ball_at_rest():
-    outcome = collide(drop(ratio=1e8, upper=0.8, approach_velocity=-1.0))
+    outcome = collide(drop(ratio=1e8, e1=0.8, approach_velocity=-1.0))
     assert outcome.velocities == pytest.approx([0.8, 0.0], abs=2e-4)
 
 
 def test_outcome_jumps_where_the_order_of_events_changes():
     below, above = (
-        collide(drop(ratio=ratio, upper=0.807755, lower=0.846529, approach_velocity=-1.0)).velocities[0]
+        collide(drop(ratio=ratio, e1=0.807755, e2=0.846529, approach_velocity=-1.0)).velocities[0]
         for ratio in (13.44, 13.46)
     )
     assert (below, above) == pytest.approx((0.770, 0.800), abs=2e-3)
