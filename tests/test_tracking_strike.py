@@ -38,6 +38,8 @@ def test_two_balls_that_start_together_must_be_told_apart(tmp_path: Path) -> Non
         track_shot(open_recording(clip))
     named = track_shot(open_recording(clip), start_px=(70, 115))
     assert named.ball.y[0] == pytest.approx(120, abs=0.3)
+    with pytest.raises(RecordingError, match=r"near start_px \(200, 80\); those that do rest at"):
+        track_shot(open_recording(clip), start_px=(200, 80))
 
 
 def test_a_ball_that_moves_from_the_start_was_struck_before(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ LAST_SECONDS = 0.1  # of the approach, within which the cue's acceleration is st
 LAST_FRAMES = 5.5  # at least, if frames are few
 CURVED_FROM = 4  # frames from which the acceleration is looked for
 CERTAIN = 3.0  # standard deviations
+LINE_ERROR = 2.0  # standard deviations of a place that all frames of one line share
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,12 +68,12 @@ def measure_tip(tip: Track, strike_time: float, place: FloatArray, radius: float
     direction = velocity / max(float(np.hypot(*velocity)), 1e-30)
     right = np.array([direction[1], -direction[0]])
     beside = (places - place) @ right / radius
-    scatter = max(float(np.std(beside, ddof=1)), float(np.median(tip.x_sd)) / radius)
+    scatter = float(np.std(beside, ddof=1)) / float(np.sqrt(used.sum()))
     return CueTip(
         velocity=velocity,
         velocity_sd=velocity_sd,
         offset=float(np.mean(beside)),
-        offset_sd=scatter / float(np.sqrt(used.sum())),
+        offset_sd=float(np.hypot(scatter, LINE_ERROR * float(np.median(tip.x_sd)) / radius)),
         frames=int(used.sum()),
     )
 

@@ -65,7 +65,10 @@ def free_motion(track: Track, gravity: float) -> FreeMotion:
             f"the ball moves freely in {end - start} frames only before it meets something or leaves the "
             f"picture, but {FEWEST_FRAMES} are needed; record more frames a second or show more of the table"
         )
-    window = slice(max(0, start - MOST_REST), end)
+    first = max(0, start - MOST_REST)
+    window = slice(first, end)
+    sd = np.column_stack((track.x_sd, track.y_sd))
+    sd[first:start] *= np.sqrt(start - first)  # the same picture again and again tells the place only once
     return FreeMotion(
         start=start,
         kink=None if kink is None else start + kink,
@@ -73,7 +76,8 @@ def free_motion(track: Track, gravity: float) -> FreeMotion:
         seen=Seen(
             time=track.time[window],
             place=place[window],
-            sd=np.column_stack((track.x_sd, track.y_sd))[window],
+            sd=sd[window],
+            radius=track.radius,
             gravity=gravity,
         ),
     )

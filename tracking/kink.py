@@ -9,7 +9,7 @@ BEFORE = 10  # frames from which the next ones are foretold
 FEWEST_BEFORE = 5
 AFTER = 3
 AFTER_SECONDS = 0.02
-PLAUSIBLE_FRICTION = 0.35
+PLAUSIBLE_FRICTION = 0.25
 """Over a few frames the deceleration may change by this times gravity: sliding ends."""
 CERTAIN = 5.0  # standard deviations
 THIRD_DIFFERENCE = 20**0.5  # 1 + 9 + 9 + 1: its standard deviation over that of a place

@@ -9,6 +9,7 @@ FloatArray = npt.NDArray[np.float64]
 Function = Callable[[FloatArray], FloatArray]
 
 STEP = 1e-6
+NO_CORRELATION = 0.1  # the first lag with less ends the sum
 
 
 def slopes(function: Function, values: FloatArray) -> FloatArray:
@@ -27,7 +28,9 @@ def slopes(function: Function, values: FloatArray) -> FloatArray:
     return np.column_stack(columns)
 
 
-def honest_covariance(function: Function, values: FloatArray, places: int) -> FloatArray:
+def honest_covariance(
+    function: Function, values: FloatArray, places: int, *, shared: FloatArray | None = None
+) -> FloatArray:
     """Covariance of fitted values, widened where the residuals say so and never narrowed.
 
     They say so where frames scatter more than their rims tell, and where neighbouring frames err alike.
@@ -40,6 +43,8 @@ def honest_covariance(function: Function, values: FloatArray, places: int) -> Fl
         Where the fit ended.
     places : int
         Number of frames.
+    shared : (places, places) array, optional
+        Covariance, in standard deviations, of errors that frames of like places share and no scatter shows.
 
     Returns
     -------
@@ -49,15 +54,22 @@ def honest_covariance(function: Function, values: FloatArray, places: int) -> Fl
     excess = max(1.0, float(residuals @ residuals) / max(len(residuals) - len(values), 1))
     slope = slopes(function, values)
     size = np.maximum(np.linalg.norm(slope, axis=0), 1e-300)
-    inverse = np.linalg.pinv((slope / size).T @ (slope / size), rcond=1e-12)
-    return np.asarray(
-        inverse / np.outer(size, size) * excess * _memory(residuals[: 2 * places].reshape(-1, 2))
-    )
+    inverse = np.linalg.pinv((slope / size).T @ (slope / size), rcond=1e-12) / np.outer(size, size)
+    covariance = inverse * excess * _memory(residuals[: 2 * places].reshape(-1, 2))
+    if shared is not None:
+        gain = inverse @ slope[: 2 * places].T
+        for axis in (gain[:, 0::2], gain[:, 1::2]):
+            covariance += axis @ shared @ axis.T
+    return np.asarray(covariance)
 
 
 def _memory(apart: FloatArray) -> float:
-    """How many times fewer independent frames there are, from the correlation of neighbours: (1+r)/(1-r)."""
+    """How many times fewer independent frames there are: one and twice the correlations over all lags."""
     squares = float(np.sum(apart**2))
-    correlation = float(np.sum(apart[1:] * apart[:-1])) / squares if squares > 0 else 0.0
-    correlation = min(max(correlation, 0.0), 0.9)
-    return (1 + correlation) / (1 - correlation)
+    total = 1.0
+    for lag in range(1, len(apart) // 4):
+        correlation = float(np.sum(apart[lag:] * apart[:-lag])) / squares if squares > 0 else 0.0
+        if correlation < NO_CORRELATION:
+            break
+        total += 2 * correlation
+    return total

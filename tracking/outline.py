@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import Circle, locate_circle
+from tracking.circle import Circle, Rim, find_rim, fit_circle
 from tracking.follow import Sighting
 from tracking.track import Track
 
@@ -25,6 +25,7 @@ MARGIN_PX = 2.0
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
 LEAST_SPAN = 4.0  # radii a ball must have gone for its radius to tell the perspective
 HUBER = 1.345
+HIDDEN_HALF_ANGLE = np.deg2rad(30)  # a cue's tip is a quarter as wide as a ball, its shadow comes on top
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,20 +37,30 @@ class Outlines:
     expected_radius: FloatArray
 
 
-def trace_outlines(ball: str, sightings: Sequence[Sighting]) -> Outlines:
-    """Fit the rims of all sightings again, with the radius that varies only as the perspective does."""
+def trace_outlines(ball: str, sightings: Sequence[Sighting], *, hidden: float | None = None) -> Outlines:
+    """Fit the rims of all sightings again, with the radius that varies only as the perspective does.
+
+    Parameters
+    ----------
+    ball : str
+        What to call it.
+    sightings : sequence of Sighting
+    hidden : float, optional
+        Direction, rad from x to y down, in which something touches the ball in some of the frames. The rim
+        there is left out in all of them, so that a place is never told differently with and without it.
+    """
     circles = [sighting.circle for sighting in sightings]
     expected = _plane_radius(circles)
     for _ in range(REFINEMENTS):
         circles = [
-            _refined(sighting, circle, radius) or circle
+            _refined(sighting, circle, radius, hidden) or circle
             for sighting, circle, radius in zip(sightings, circles, expected, strict=True)
         ]
         before, expected = expected, _plane_radius(circles)
         if np.abs(expected - before).max() < SETTLED_PX:
             break
     final = [
-        _fit(sighting, circle, radius, free_radius=False)
+        _fit(sighting, circle, (radius, hidden), free_radius=False)
         for sighting, circle, radius in zip(sightings, circles, expected, strict=True)
     ]
     kept = [i for i, circle in enumerate(final) if circle is not None]
@@ -92,16 +103,27 @@ def _plane_radius(circles: Sequence[Circle]) -> FloatArray:
     return np.asarray(design @ solution)
 
 
-def _refined(sighting: Sighting, circle: Circle, radius: float) -> Circle | None:
+def _refined(sighting: Sighting, circle: Circle, radius: float, hidden: float | None) -> Circle | None:
     """Look again where the rim is expected, and let the radius go free at the end."""
-    fixed = _fit(sighting, circle, radius, free_radius=False)
-    return None if fixed is None else _fit(sighting, fixed, radius, free_radius=True)
+    fixed = _fit(sighting, circle, (radius, hidden), free_radius=False)
+    return None if fixed is None else _fit(sighting, fixed, (radius, hidden), free_radius=True)
 
 
-def _fit(sighting: Sighting, circle: Circle, radius: float, *, free_radius: bool) -> Circle | None:
+def _fit(
+    sighting: Sighting, circle: Circle, rule: tuple[float, float | None], *, free_radius: bool
+) -> Circle | None:
     """Fit a circle to the picture kept of a sighting; places are those of the whole picture."""
-    left, top = sighting.corner
+    (left, top), (radius, hidden) = sighting.corner, rule
     guess = (circle.x - left, circle.y - top, radius)
-    reach = REACH * radius + MARGIN_PX
-    found = locate_circle(sighting.patch, guess, reach=reach, free_radius=free_radius)
+    rim = find_rim(sighting.patch, guess, reach=REACH * radius + MARGIN_PX)
+    if rim is not None and hidden is not None:
+        rim = _without(rim, hidden)
+    found = None if rim is None else fit_circle(rim, guess, free_radius=free_radius)
     return None if found is None else replace(found, x=found.x + left, y=found.y + top)
+
+
+def _without(rim: Rim, direction: float) -> Rim:
+    """Leave out a rim around a direction and opposite: a radius a little wrong then shifts nothing."""
+    apart = np.abs((rim.angles - direction + np.pi / 2) % np.pi - np.pi / 2)
+    seen = apart > HIDDEN_HALF_ANGLE
+    return replace(rim, points=rim.points[seen], angles=rim.angles[seen])

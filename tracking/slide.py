@@ -26,6 +26,8 @@ USUAL_FRICTION = 0.2
 """Of billiard cloths, within a factor of two; it matters only for slides too short to tell it."""
 SLIDE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 0.95)
 NO_FRICTION = 1e-9
+RIM_ERROR = 1.0  # standard deviations of one frame that light and cloth shift a rim (rendered shots)
+RIM_REACH = 4.0  # radii over which they do so alike
 RAYLEIGH_MEDIAN = 1.1774  # of the distance in the plane, in standard deviations of a coordinate
 
 
@@ -50,11 +52,12 @@ LINEAR = [Q.X, Q.Y, Q.VELOCITY_X, Q.VELOCITY_Y, Q.LOSS_X, Q.LOSS_Y]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What the fit sees: (n,) times in s, (n, 2) places, their standard deviations, gravity in their unit."""
+    """What the fit sees: (n,) times in s, (n, 2) places, their standard deviations; radius and gravity."""
 
     time: FloatArray
     place: FloatArray
     sd: FloatArray
+    radius: float
     gravity: float
 
 
@@ -158,6 +161,14 @@ def _residuals(seen: Seen, parameters: FloatArray, used: npt.NDArray[np.bool_]) 
     return np.concatenate((apart.ravel(), [rolling, sliding]))
 
 
+def _shared(seen: Seen, used: npt.NDArray[np.bool_]) -> FloatArray:
+    """Covariance of what light and cloth do to the rim: alike for places a few radii apart."""
+    place, sd = seen.place[used], seen.sd[used].mean(axis=1)
+    apart = np.hypot(*(place[:, None] - place[None, :]).transpose(2, 0, 1))
+    size = RIM_ERROR * float(np.median(seen.sd)) / sd
+    return np.asarray(np.outer(size, size) * np.exp(-apart / (RIM_REACH * seen.radius)))
+
+
 def _graded(seen: Seen, parameters: FloatArray, free: list[Q], used: npt.NDArray[np.bool_]) -> PathFit:
     """Judge a fit by its residuals."""
 
@@ -165,7 +176,9 @@ def _graded(seen: Seen, parameters: FloatArray, free: list[Q], used: npt.NDArray
         return _residuals(seen, _with(parameters, free, values), used)
 
     covariance = np.zeros((len(Q), len(Q)))
-    covariance[np.ix_(free, free)] = honest_covariance(residuals, parameters[free], int(used.sum()))
+    covariance[np.ix_(free, free)] = honest_covariance(
+        residuals, parameters[free], int(used.sum()), shared=_shared(seen, used)
+    )
     distance = seen.place[used] - path(parameters, seen.time[used], seen.gravity)
     return PathFit(
         parameters=parameters,

@@ -91,6 +91,19 @@ def read_path(
         Relative standard uncertainty of lengths.
     radius_sd : float
         Relative standard uncertainty of the radius, where the unit itself comes from it.
+
+    Examples
+    --------
+    A ball struck at its centre slides without spin at first:
+
+    >>> from tracking.cloth import Cloth, cloth_position
+    >>> time = np.arange(120) / 120
+    >>> cloth = Cloth(friction=0.2, rolling_resistance=0.01)
+    >>> place = cloth_position(cloth, (1.5, 0.0), (1.5, 0.0), np.maximum(time - 0.1, 0.0))
+    >>> seen = Seen(time=time, place=place, sd=np.full((120, 2), 1e-4), radius=0.0286, gravity=9.80665)
+    >>> told = read_path(seen, 0.1, 0.0286)
+    >>> print(told.stage.name, f"{told.values[V.VELOCITY_X]:.3f} m/s, {abs(told.values[V.SPIN_Y]):.1f} rad/s")
+    SLIDES_THEN_ROLLS 1.500 m/s, 0.0 rad/s
     """
     stage, fit = _best_stage(seen, first_guess(seen, strike))
     values = _values(fit.parameters, seen.gravity, radius)

@@ -18,6 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 
 STARTED = 0.25  # radii from its place of rest: the ball has been struck
 REST_FRAMES = 3
+GONE_FRAMES = 3  # after the start, when the ball's direction shows
+CLICK_SHARE = 0.05  # of the picture's longer side: as near as a person points
 TOGETHER = 2.5  # frames within which two balls start together
 
 
@@ -64,7 +66,8 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
     Raises
     ------
     RecordingError
-        If no ball starts to move, if it moves already at the beginning, or if two start together.
+        If no ball starts to move (or none near `start_px`), if it moves already at the beginning, or if two
+        start together.
     """
     balls = moving_balls(recording)
     name = recording.path.name
@@ -81,7 +84,7 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
             "while the ball is at rest"
         )
     ball = struck[_choose(struck, recording, start_px)]
-    outlines = trace_outlines("cue ball", ball)
+    outlines = trace_outlines("cue ball", ball, hidden=_cue_side(ball))
     tip, reason = track_tip(recording, outlines.track, _started_frame(outlines))
     return ShotTrack(
         ball=outlines.track,
@@ -93,7 +96,11 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
 
 
 def shot_to_metres(shot: ShotTrack, scale: Scale) -> ShotTrack:
-    """Give the tracks of a shot in metres, y up."""
+    """Give the tracks of a shot in metres, y up.
+
+    A ball's centre is one radius above the cloth. A scale marked on the cloth makes its lengths too large by
+    the radius over the camera's height (1 to 2 %); marks at the noses of the cushions lie almost right.
+    """
     tip = None if shot.tip is None else to_metres(shot.tip, scale)
     return replace(shot, ball=to_metres(shot.ball, scale), tip=tip)
 
@@ -119,9 +126,7 @@ def _choose(struck: dict[int, list[Sighting]], recording: Recording, start_px: S
     """Give the start of the ball that moves first, or of the one that was named."""
     places = {start: (ball[0].circle.x, ball[0].circle.y) for start, ball in struck.items()}
     if start_px is not None:
-        return min(
-            places, key=lambda start: np.hypot(places[start][0] - start_px[0], places[start][1] - start_px[1])
-        )
+        return _nearest(places, recording, start_px)
     first, *later = sorted(places)
     if later and later[0] - first < TOGETHER:
         at = " and ".join(f"({places[s][0]:.0f}, {places[s][1]:.0f})" for s in (first, later[0]))
@@ -130,6 +135,27 @@ def _choose(struck: dict[int, list[Sighting]], recording: Recording, start_px: S
             "the struck one rests, or film one ball alone"
         )
     return first
+
+
+def _nearest(places: dict[int, tuple[float, float]], recording: Recording, start_px: Sequence[float]) -> int:
+    """Give the start of the ball that rests where a person says."""
+    distance = {start: np.hypot(x - start_px[0], y - start_px[1]) for start, (x, y) in places.items()}
+    nearest = min(distance, key=lambda start: distance[start])
+    if distance[nearest] > CLICK_SHARE * max(recording.samples[0].shape):
+        at = ", ".join(f"({x:.0f}, {y:.0f})" for x, y in places.values())
+        raise RecordingError(
+            f"{recording.path.name}: no ball starts to move near start_px "
+            f"({start_px[0]:g}, {start_px[1]:g}); those that do rest at {at} px"
+        )
+    return nearest
+
+
+def _cue_side(ball: Sequence[Sighting]) -> float:
+    """Direction from the ball to the cue, rad from x to y down: the ball goes the other way."""
+    circles = [sighting.circle for sighting in ball]
+    start = start_index(np.array([c.x for c in circles]), np.array([c.y for c in circles]), circles[0].radius)
+    rest, gone = circles[0], circles[min((start or 0) + GONE_FRAMES, len(circles) - 1)]
+    return float(np.arctan2(rest.y - gone.y, rest.x - gone.x))
 
 
 def _started_frame(outlines: Outlines) -> int:
