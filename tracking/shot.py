@@ -129,9 +129,7 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
     values, sd = told.values, np.sqrt(np.diag(told.covariance))
     strike = float(values[V.STRIKE])
     place = told.fit.parameters[[Q.X, Q.Y]]
-    tip = None if shot.tip is None else measure_tip(upright(shot.tip), strike, place, own_radius)
-    if tip is not None and shot.perspective > PERSPECTIVE:
-        tip = replace(tip, offset=np.nan, offset_sd=np.nan)
+    tip = _tip(shot, strike, place, own_radius)
     lift = _lift(shot.lift[motion.start : motion.kink])
     velocity, spin = [V.VELOCITY_X, V.VELOCITY_Y], [V.SPIN_X, V.SPIN_Y]
     rolling = [V.ROLLING_X, V.ROLLING_Y]
@@ -157,6 +155,14 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
         residual=told.fit.residual,
         notes=_notes(shot, told, tip, lift, own_radius),
     )
+
+
+def _tip(shot: ShotTrack, strike: float, place: FloatArray, radius: float) -> CueTip | None:
+    """Measure the cue's tip; seen at an angle its offset could as well be height."""
+    tip = None if shot.tip is None else measure_tip(upright(shot.tip), strike, place, radius)
+    if tip is None or shot.perspective <= PERSPECTIVE:
+        return tip
+    return replace(tip, offset=np.nan, offset_sd=np.nan)
 
 
 def _lift(lift: FloatArray) -> float:
