@@ -21,6 +21,8 @@ from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
 FINISHED, EXHAUSTED, STALLED = 0, 1, 2
+MOST_EVENTS = 2000
+"""Events in one state after which it is given up; a dozen is much."""
 REASONS = {EXHAUSTED: f"more than {MOST_STATES} states", STALLED: "a state that does not end"}
 
 Outcome = TypeVar("Outcome", covariant=True)
@@ -39,11 +41,14 @@ class Scene(Protocol[Outcome]):
 @compiled
 def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     """Run a collision from first contact to last; say how it ended."""
+    state, events = 0, 0
     while engage(core):
         if record.counts[STATES] >= most_states:
             return EXHAUSTED
         open_state(core, record)
-        if not evolve(core, record):
+        events = events + 1 if record.counts[STATES] == state else 0
+        state = record.counts[STATES]
+        if events > MOST_EVENTS or not evolve(core, record):
             return STALLED
         transition(core, record)
     return FINISHED

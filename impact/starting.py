@@ -23,7 +23,7 @@ def starting_term(core: Core, index: int, order: int) -> float:
     row = 3 * index
     before_1, before_2 = core.forces[row + 1, order], core.forces[row + 2, order]
     core.forces[row + 1, order], core.forces[row + 2, order] = 0.0, 0.0
-    pull_1, pull_2 = _pull(core, row, order)
+    pull_1, pull_2 = tangential_pull(core, row, order)
     if contact.onset < 0 and (pull_1 != 0.0 or pull_2 != 0.0 or core.forces[row, order] != 0.0):
         contact.onset = order
     if contact.onset == order:
@@ -40,7 +40,7 @@ def starting_term(core: Core, index: int, order: int) -> float:
 
 
 @compiled
-def _pull(core: Core, row: int, order: int) -> tuple[float, float]:
+def tangential_pull(core: Core, row: int, order: int) -> tuple[float, float]:
     """Term of the tangential acceleration by all forces but the contact's own friction."""
     pull_1, pull_2 = 0.0, 0.0
     for column in range(core.velocity.size):

@@ -21,9 +21,11 @@ from impact.kernel import (
     Core,
     compiled,
 )
-from impact.starting import best_in_disc
+from impact.starting import best_in_disc, tangential_pull
 
 MOST_ROUNDS = 1000
+LEAST_FRICTION = 1e-12
+"""Friction below this does nothing that could be seen."""
 
 
 @compiled
@@ -51,7 +53,7 @@ def choose_modes(core: Core) -> None:
 def _begin(core: Core, index: int) -> int:
     """Let what slips slide, and count a contact at rest as sticking for now: 1 if it is at rest."""
     contact = core.contacts[index]
-    if contact.friction == 0.0:
+    if contact.friction < LEAST_FRICTION:
         contact.mode = FRICTIONLESS
         return 0
     row = 3 * index
@@ -81,10 +83,7 @@ def _go_round(core: Core) -> bool:
         row = 3 * index
         before_1, before_2 = core.forces[row + 1, 0], core.forces[row + 2, 0]
         core.forces[row + 1, 0], core.forces[row + 2, 0] = 0.0, 0.0
-        pull_1, pull_2 = 0.0, 0.0
-        for column in range(core.velocity.size):
-            pull_1 += core.delassus[row + 1, column] * core.forces[column, 0]
-            pull_2 += core.delassus[row + 2, column] * core.forces[column, 0]
+        pull_1, pull_2 = tangential_pull(core, row, 0)
         limit = contact.friction * core.forces[row, 0]
         force_1, force_2 = best_in_disc(core, row, pull_1, pull_2, limit)
         core.forces[row + 1, 0], core.forces[row + 2, 0] = force_1, force_2
@@ -94,12 +93,19 @@ def _go_round(core: Core) -> bool:
 
 @compiled
 def _decide(core: Core, index: int) -> None:
-    """Let a contact whose friction is on the rim of its disc start to slide against it."""
+    """Let a contact whose friction is on the rim of its disc start to slide against it.
+
+    One that has no normal force yet has no friction either; it slides wherever it is pulled.
+    """
     contact = core.contacts[index]
+    limit = contact.friction * core.forces[3 * index, 0]
     force_1 = core.forces[3 * index + 1, 0]
     force_2 = core.forces[3 * index + 2, 0]
+    if limit <= 0.0:
+        pull_1, pull_2 = tangential_pull(core, 3 * index, 0)
+        force_1, force_2 = -pull_1, -pull_2
     size = math.hypot(force_1, force_2)
-    if size > 0.0 and size >= contact.friction * core.forces[3 * index, 0] * (1.0 - 1e-10):
+    if size > 0.0 and size >= limit * (1.0 - 1e-10):
         contact.mode = STARTING
         contact.direction_1 = -force_1 / size
         contact.direction_2 = -force_2 / size
