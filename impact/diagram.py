@@ -21,8 +21,8 @@ from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
 FINISHED, EXHAUSTED, STALLED = 0, 1, 2
-MOST_EVENTS = 2000
-"""Events in one state after which it is given up; a dozen is much."""
+MOST_IDLE = 1000
+"""Events in a row without any impulse, after which a run is given up."""
 REASONS = {EXHAUSTED: f"more than {MOST_STATES} states", STALLED: "a state that does not end"}
 
 Outcome = TypeVar("Outcome", covariant=True)
@@ -41,17 +41,26 @@ class Scene(Protocol[Outcome]):
 @compiled
 def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     """Run a collision from first contact to last; say how it ended."""
-    state, events = 0, 0
+    idle = 0
     while engage(core):
         if record.counts[STATES] >= most_states:
             return EXHAUSTED
         open_state(core, record)
-        events = events + 1 if record.counts[STATES] == state else 0
-        state = record.counts[STATES]
-        if events > MOST_EVENTS or not evolve(core, record):
+        before = total_impulse(core)
+        if idle > MOST_IDLE or not evolve(core, record):
             return STALLED
+        idle = 0 if total_impulse(core) > before else idle + 1
         transition(core, record)
     return FINISHED
+
+
+@compiled
+def total_impulse(core: Core) -> float:
+    """Sum of the normal impulses, which grows as long as anything happens."""
+    total = 0.0
+    for row in range(0, core.impulse.size, core.rows):
+        total += core.impulse[row]
+    return total
 
 
 @compiled_entry

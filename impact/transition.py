@@ -27,7 +27,9 @@ from impact.sticking import choose_modes
 
 SETTLED = 1e-9
 """Closing speed, and square root of the energy, below which nothing more is worth following."""
-MOMENT = 1e-4
+FAINTEST_PUSH = 1e-100
+"""Push that counts; down a row of n balls at rest the first moment carries about MOMENT**(2 n)."""
+MOMENT = 1e-2
 """How far ahead forces are looked at where contacts have just begun and have none yet."""
 
 
@@ -76,7 +78,7 @@ def wake_resting(core: Core) -> bool:
             part = core.delassus[row, column] * core.forces[column, 0]
             push -= part
             size += abs(part)
-        if push > 1e-9 * size:
+        if push > max(1e-9 * size, FAINTEST_PUSH):
             activate(core, index)
             return True
     return False
