@@ -56,7 +56,10 @@ def refined_basins(misfit: Misfit, trace: Trace, depth: float) -> list[Basin]:
 
 
 def _refined(misfit: Misfit, trace: Trace, index: int) -> Basin:
-    """Fit between the neighbouring ratios of one minimum."""
+    """Fit between the neighbouring ratios of one minimum; with too few numbers measured leave it as it is."""
+    found = _as_found(trace, index)
+    if misfit.degrees_of_freedom < 0:
+        return found
     low, high = max(index - 1, 0), min(index + 1, len(trace.log_ratio) - 1)
     ball_ball, ball_table = np.clip(trace.restitutions[index], _INSIDE, 1 - _INSIDE)
     parameters = lmfit.Parameters()
@@ -70,17 +73,20 @@ def _refined(misfit: Misfit, trace: Trace, index: int) -> Basin:
         return np.asarray(rows[0])
 
     fit = lmfit.minimize(residuals, parameters, calc_covar=False, max_nfev=100, epsfcn=1e-10)
-    if (
-        fit.chisqr > trace.chi_square[index]
-    ):  # stopped at a jump: what the search over the restitutions found is better
-        return Basin(
-            stiffness_ratio=float(np.exp(trace.log_ratio[index])),
-            restitutions=(float(trace.restitutions[index, 0]), float(trace.restitutions[index, 1])),
-            chi_square=float(trace.chi_square[index]),
-        )
+    if fit.chisqr > found.chi_square:  # stopped at a jump
+        return found
     best = fit.params.valuesdict()
     return Basin(
         stiffness_ratio=float(np.exp(best["log_ratio"])),
         restitutions=(float(best["ball_ball"]), float(best["ball_table"])),
         chi_square=float(fit.chisqr),
+    )
+
+
+def _as_found(trace: Trace, index: int) -> Basin:
+    ball_ball, ball_table = trace.restitutions[index].tolist()
+    return Basin(
+        stiffness_ratio=float(np.exp(trace.log_ratio[index])),
+        restitutions=(ball_ball, ball_table),
+        chi_square=float(trace.chi_square[index]),
     )

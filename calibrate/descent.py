@@ -16,8 +16,6 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 8
 _ARRIVED = 1e-3  # a search has arrived when its next step promises less gain of chi-square than this
-_OUT_OF_REACH = 30.0  # a search is given up when its chi-square is above the smallest by that of so many sd
-_NEAR = 30.0  # jumps are followed only by searches closer than that of so many sd
 _STRIDES = (0.002, 0.006, 0.018)  # in restitution, when looking for the other side of a jump
 _COMPASS = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
 
@@ -104,7 +102,7 @@ def descend(misfit: Misfit, log_ratio: Array, start: Array, ceiling: Array | flo
     at = np.clip(start, 0.0, 1.0)
     residuals = misfit.residuals(log_ratio, at)
     ceiling = np.broadcast_to(ceiling, len(at))
-    out_of_reach = misfit.rebounds.chi_square_at(_OUT_OF_REACH)
+    out_of_reach = misfit.out_of_reach
     damping = np.full(len(at), 1e-3)
     going = np.arange(len(at))
     for _ in range(_ROUNDS):
@@ -159,8 +157,7 @@ def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array
 
 def _along_jumps(misfit: Misfit, trace: Trace, rows: NDArray[np.int64]) -> Trace:
     """Compass search for those that did not arrive: they stand at a jump, where no slope leads on."""
-    near = trace.chi_square.min() + misfit.rebounds.chi_square_at(_NEAR)
-    rows = rows[trace.chi_square[rows] < near]
+    rows = rows[trace.chi_square[rows] < trace.chi_square.min() + misfit.out_of_reach]
     if not rows.size:
         return trace
     at, lowest = trace.restitutions[rows], trace.chi_square[rows]

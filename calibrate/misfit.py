@@ -81,6 +81,11 @@ class Misfit:
         return np.stack([first.ravel(), second.ravel()], axis=1)
 
     @property
+    def out_of_reach(self) -> float:
+        """Chi-square above the smallest from which parameters are hopeless, the fewer repeats the less."""
+        return min(100.0, self.rebounds.chi_square_at(30.0))
+
+    @property
     def _own_drops(self) -> list[tuple[int, Repeats]]:
         return [
             (column, drops)
@@ -91,5 +96,5 @@ class Misfit:
 
 def _plausible(drops: Repeats | None) -> Array:
     if drops is None:
-        return np.linspace(0.04, 1.0, 13)
+        return np.linspace(0.1, 0.98, 9)
     return np.array([drops.means[0, 0]])

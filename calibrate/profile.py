@@ -26,8 +26,6 @@ _MOST_ROUNDS = 10
 _CLIFF = 5.0  # difference of chi-square between neighbours which may be no slope
 _WORTHWHILE = 0.02  # improvement of chi-square for which a search is repeated
 _ELSEWHERE = 2e-3  # restitutions farther apart than this belong to different searches
-_MAY_BE_DEEP = 30.0  # a minimum of the grid is followed down if its chi-square is below that of so many sd
-_WORTH_ASKING = 10.0  # and a point asks its neighbours if below that of so many sd
 _WORTH_A_LOOK = 12.0  # how far above the smallest chi-square the profile is still followed closely
 _FINEST_SPACING = 0.02  # of the profile as a curve, in the logarithm
 _STEEP = 2.0  # change of chi-square from point to point above which that is not fine enough
@@ -155,7 +153,7 @@ def _grid() -> Array:
 
 def _spread(misfit: Misfit, trace: Trace) -> Trace:
     """Let ratios try where better neighbours ended, until a basin once found is followed to its end."""
-    hopeful = trace.chi_square.min() + misfit.rebounds.chi_square_at(_WORTH_ASKING)
+    hopeful = trace.chi_square.min() + misfit.out_of_reach / 2
     for _ in range(_MOST_ROUNDS):
         before = trace.chi_square
         for shift in (1, -1):
@@ -178,7 +176,7 @@ def _beside_minima(misfit: Misfit, trace: Trace) -> NDArray[np.bool_]:
     """Gaps on both sides of a local minimum, which may be far deeper than the grid has seen."""
     walled = np.concatenate([[np.inf], trace.chi_square, [np.inf]])
     lowest = (trace.chi_square <= walled[:-2]) & (trace.chi_square <= walled[2:])
-    lowest &= trace.chi_square < trace.chi_square.min() + misfit.rebounds.chi_square_at(_MAY_BE_DEEP)
+    lowest &= trace.chi_square < trace.chi_square.min() + misfit.out_of_reach
     return np.asarray((lowest[:-1] | lowest[1:]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION))
 
 
@@ -198,7 +196,9 @@ def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
     middle = (trace.log_ratio[left] + trace.log_ratio[left + 1]) / 2
     neighbours = [descend(misfit, middle, trace.restitutions[side]) for side in (left, left + 1)]
     found = best_of(neighbours)
-    return trace.merged(best_of([found, search(misfit, middle, found.chi_square)]))
+    if len(misfit.likely_restitutions()) == 1:
+        found = best_of([found, search(misfit, middle, found.chi_square)])
+    return trace.merged(found)
 
 
 def _with_edges(misfit: Misfit, trace: Trace, level: float) -> Trace:

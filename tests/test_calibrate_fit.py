@@ -150,3 +150,23 @@ def test_a_table_without_any_usable_trial_is_refused() -> None:
 def test_restitution_of_a_kind_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match="no usable trial of kind 'held'"):
         fit_restitution(drops("plate", [0.84]), "held")
+
+
+@pytest.mark.slow
+def test_without_held_drops_the_ball_ball_restitution_is_found_from_two_ball_trials() -> None:
+    calibration = fit_stiffness_ratio(simulated(Design(held=0, plate=16, two={1.0: 10, 2.0: 10})))
+    assert any(low < 10.0 < high for low, high in calibration.stiffness_ratio.intervals_95)
+    assert any(low < TRUTH.ball_ball < high for low, high in calibration.restitution_ball_ball.intervals_95)
+    assert "no drops on a held ball" in " ".join(calibration.notes)
+
+
+@pytest.mark.slow
+def test_three_trials_alone_determine_nothing() -> None:
+    calibration = fit_stiffness_ratio(simulated(Design(held=0, plate=0, two={1.0: 3})))
+    assert calibration.stiffness_ratio.verdict == "not determined"
+    assert calibration.stiffness_ratio.value is None
+
+
+def test_a_known_restitution_must_be_one() -> None:
+    with pytest.raises(ValueError, match=r"ball_ball must be within \[0, 1\], got 1.2"):
+        fit_stiffness_ratio(drops("plate", [0.84]), ball_ball=(1.2, 0.1))
