@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibrate.limits import numbers_left
 from calibrate.model import LINEAR, rebound_ratios
 from calibrate.repeats import Repeats
 
@@ -37,13 +36,7 @@ class Misfit:
     @property
     def degrees_of_freedom(self) -> int:
         """Independent numbers measured less the three parameters."""
-        return self._measured - 3
-
-    @property
-    def numbers_left(self) -> float:
-        """Independent numbers measured less those taken up by the restitutions; see `calibrate.limits`."""
-        repeats = [self.rebounds, *(drops for _, drops in self._own_drops)]
-        return numbers_left(self._measured, min(each.degrees_of_freedom for each in repeats))
+        return self.rebounds.means.size + len(self._own_drops) - 3
 
     def predicted(self, log_ratio: Array, restitutions: Array) -> Array:
         """Velocity ratios the model gives each mass pair, (N, J, 2); parameters as for `residuals`."""
@@ -91,10 +84,6 @@ class Misfit:
     def out_of_reach(self) -> float:
         """Chi-square above the smallest from which parameters are hopeless, the fewer repeats the less."""
         return min(100.0, self.rebounds.chi_square_at(30.0))
-
-    @property
-    def _measured(self) -> int:
-        return self.rebounds.means.size + len(self._own_drops)
 
     @property
     def _own_drops(self) -> list[tuple[int, Repeats]]:

@@ -43,13 +43,13 @@ class Profile:
         Best restitutions and chi-square at each ratio, closely spaced where chi-square is small.
     basins : tuple of Basin
         Local minima, best first.
-    numbers_left : float
-        Of those measured, once the restitutions are refitted; see `calibrate.limits`.
+    degrees_of_freedom : int
+        Of the best fit.
     """
 
     trace: Trace
     basins: tuple[Basin, ...]
-    numbers_left: float
+    degrees_of_freedom: int
 
     def intervals(self, level: float) -> tuple[Interval, ...]:
         """Stiffness ratios not excluded at a confidence level, as a union of intervals."""
@@ -68,7 +68,7 @@ class Profile:
 
     def limit(self, level: float) -> float:
         """Largest chi-square a confidence level does not exclude."""
-        return limit(float(self.trace.chi_square.min()), self.numbers_left, level)
+        return limit(float(self.trace.chi_square.min()), self.degrees_of_freedom, level)
 
 
 def trace_profile(misfit: Misfit) -> Profile:
@@ -95,7 +95,7 @@ def trace_profile(misfit: Misfit) -> Profile:
     trace = trace.merged(_as_trace(basins))
     for level in LEVELS:
         trace = _with_edges(misfit, trace, level)
-    return Profile(trace=trace, basins=tuple(basins), numbers_left=misfit.numbers_left)
+    return Profile(trace=trace, basins=tuple(basins), degrees_of_freedom=misfit.degrees_of_freedom)
 
 
 def propagate(
@@ -214,7 +214,7 @@ def _with_edges(misfit: Misfit, trace: Trace, level: float) -> Trace:
 
 def _crossing(misfit: Misfit, trace: Trace, level: float) -> NDArray[np.bool_]:
     """Gaps, wider than the precision wanted, in which the profile crosses its limit."""
-    inside = trace.chi_square <= limit(float(trace.chi_square.min()), misfit.numbers_left, level)
+    inside = trace.chi_square <= limit(float(trace.chi_square.min()), misfit.degrees_of_freedom, level)
     return np.asarray((inside[1:] != inside[:-1]) & (np.diff(trace.log_ratio) > _EDGE_PRECISION))
 
 
