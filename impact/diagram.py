@@ -16,7 +16,16 @@ from impact.contact import RestitutionLaw
 from impact.evolve import evolve
 from impact.kernel import Core, compiled, compiled_entry
 from impact.record import STATES, Record, Room, new_records, open_state, room_needed
-from impact.scaling import MOST_STATES, Tasks, contact_table, new_core, new_tasks, scale, settle_accounts
+from impact.scaling import (
+    MOST_STATES,
+    Tasks,
+    contact_table,
+    load,
+    new_core,
+    new_tasks,
+    scale,
+    settle_accounts,
+)
 from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
@@ -58,18 +67,18 @@ def follow_diagram(core: Core, record: Record, most_states: int) -> int:
 def total_impulse(core: Core) -> float:
     """Sum of the normal impulses, which grows as long as anything happens."""
     total = 0.0
-    for row in range(0, core.impulse.size, core.rows):
-        total += core.impulse[row]
+    for index in range(core.contacts.size):
+        total += core.contacts[index].impulse[0]
     return total
 
 
 @compiled_entry
-def run(tasks: Tasks, records: Record, first: int, last: int) -> None:
-    """Run tasks `first` up to `last`; results go into `tasks`, notes into `records`."""
+def run(tasks: Tasks, records: Record, core: Core, first: int, last: int) -> None:
+    """Run tasks `first` up to `last` in one core; results go into `tasks`, notes into `records`."""
     for row in range(first, last):
         record = Record(records.counts[row], records.states[row], records.events[row], records.samples[row])
         scale(tasks, row)
-        core = new_core(tasks, row)
+        load(tasks, row, core)
         tasks.status[row] = follow_diagram(core, record, tasks.most_states)
         settle_accounts(tasks, row, core)
 
@@ -125,7 +134,7 @@ def collide(
     while True:
         tasks = new_tasks(contacts, delassus, (rows @ system.velocity)[np.newaxis], law, rtol)
         records = new_records(1, len(system.contacts), len(rows), room)
-        run(tasks, records, 0, 1)
+        run(tasks, records, new_core(tasks), 0, 1)
         needed = room_needed(records, room)
         if needed == room:
             break

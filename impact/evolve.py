@@ -11,11 +11,14 @@ import math
 from impact.friction import friction_margin, turn_directions
 from impact.kernel import (
     COMPRESSION,
+    FRICTIONLESS,
     HEAT,
     INACTIVE,
     SPEED_FLOOR,
+    Contact,
     Core,
     compiled,
+    inlined,
     slope_at,
     value_at,
 )
@@ -67,91 +70,92 @@ def first_event(core: Core, step: float, parts: int) -> float:
     """Time of the first event within `step`, looked for in so many parts; infinite if there is none."""
     first = math.inf
     for index in range(core.contacts.size):
+        contact = core.contacts[index]
         left = 0.0
         for part in range(1, parts + 1):
             right = step * part / parts
             if left >= first:
                 break
-            if margin(core, index, right) <= 0.0:
-                first = min(first, _root(core, index, left, right))
+            if margin(contact, right) <= 0.0:
+                first = min(first, _root(contact, left, right))
                 break
-            if _dips(core, index, left, right):
-                lowest = _lowest(core, index, left, right)
-                if margin(core, index, lowest) <= 0.0:
-                    first = min(first, _root(core, index, left, lowest))
+            if _dips(contact, left, right):
+                lowest = _lowest(contact, left, right)
+                if margin(contact, lowest) <= 0.0:
+                    first = min(first, _root(contact, left, lowest))
                     break
             left = right
     return first
 
 
-@compiled
-def margin(core: Core, index: int, time: float) -> float:
+@inlined
+def margin(contact: Contact, time: float) -> float:
     """How far a contact is from leaving its phase or mode, at a time from now; positive while it stays."""
-    return min(phase_margin(core, index, time), mode_margin(core, index, time))
+    return min(phase_margin(contact, time), mode_margin(contact, time))
 
 
-@compiled
-def phase_margin(core: Core, index: int, time: float) -> float:
+@inlined
+def phase_margin(contact: Contact, time: float) -> float:
     """How far a contact is from leaving its phase."""
-    normal_velocity = value_at(core.velocities, index * core.rows, time)
-    phase = core.contacts[index].phase
-    if phase == INACTIVE:
+    normal_velocity = value_at(contact.velocities[0], time)
+    if contact.phase == INACTIVE:
         return normal_velocity + SPEED_FLOOR
-    if phase == COMPRESSION:
+    if contact.phase == COMPRESSION:
         return SPEED_FLOOR - normal_velocity
-    return min(normal_velocity + SPEED_FLOOR, remaining(core, index, time))
+    return min(normal_velocity + SPEED_FLOOR, remaining(contact, time))
 
 
-@compiled
-def mode_margin(core: Core, index: int, time: float) -> float:
+@inlined
+def mode_margin(contact: Contact, time: float) -> float:
     """How far a contact is from leaving its mode of friction."""
-    if core.rows == 1 or core.contacts[index].phase == INACTIVE:
+    if contact.mode == FRICTIONLESS or contact.phase == INACTIVE:
         return math.inf
-    return friction_margin(core, index, time)
+    return friction_margin(contact, time)
 
 
-@compiled
-def remaining(core: Core, index: int, time: float) -> float:
-    """How far an active contact is from the end of its restitution."""
-    contact = core.contacts[index]
-    compression = value_at(core.compressions, index, time)
-    if core.poisson:
-        row = index * core.rows
-        impulse = core.impulse[row] + value_at(core.impulses, row, time)
-        return float(min(compression, contact.last_impulse - impulse))
-    return float(compression - contact.rest_compression)
+@inlined
+def remaining(contact: Contact, time: float) -> float:
+    """How far an active contact is from the end of its restitution.
+
+    Under Poisson's law that is where its impulse is paid, or its spring empty if that comes first.
+    """
+    compression = value_at(contact.compressions, time)
+    if contact.last_impulse == math.inf:
+        return float(compression - contact.rest_compression)
+    impulse = contact.impulse[0] + value_at(contact.impulses[0], time)
+    return float(min(compression, contact.last_impulse - impulse))
 
 
-@compiled
-def _dips(core: Core, index: int, left: float, right: float) -> bool:
+@inlined
+def _dips(contact: Contact, left: float, right: float) -> bool:
     """Whether a normal velocity may have left its phase and returned between two times.
 
     The tangents at both ends meet below the curve; only if they meet below zero can it dip.
     """
-    row = index * core.rows
-    sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
-    before = sign * slope_at(core.velocities, row, left)
-    after = sign * slope_at(core.velocities, row, right)
+    velocities = contact.velocities[0]
+    sign = -1.0 if contact.phase == COMPRESSION else 1.0
+    before = sign * slope_at(velocities, left)
+    after = sign * slope_at(velocities, right)
     if before >= 0.0 or after <= 0.0:
         return False
-    start = sign * value_at(core.velocities, row, left)
-    stop = sign * value_at(core.velocities, row, right)
+    start = sign * value_at(velocities, left)
+    stop = sign * value_at(velocities, right)
     meeting = (stop - start - after * (right - left)) / (before - after)
     return bool(start + before * meeting < 0.0)
 
 
 @compiled
-def _lowest(core: Core, index: int, left: float, right: float) -> float:
+def _lowest(contact: Contact, left: float, right: float) -> float:
     """Time where the normal acceleration of a contact changes sign: there its velocity is lowest."""
-    row = index * core.rows
-    sign = -1.0 if core.contacts[index].phase == COMPRESSION else 1.0
-    falling = sign * slope_at(core.velocities, row, left)
-    rising = sign * slope_at(core.velocities, row, right)
+    velocities = contact.velocities[0]
+    sign = -1.0 if contact.phase == COMPRESSION else 1.0
+    falling = sign * slope_at(velocities, left)
+    rising = sign * slope_at(velocities, right)
     finest = LOWEST_TOLERANCE * (right - left)
     side = 0
     for iteration in range(MOST_GUESSES):
         guess = between(left, right, falling, rising, iteration)
-        slope = sign * slope_at(core.velocities, row, guess)
+        slope = sign * slope_at(velocities, guess)
         if slope < 0.0:
             moved, left, falling = guess - left, guess, slope
             rising *= 0.5 if side < 0 else 1.0
@@ -166,14 +170,14 @@ def _lowest(core: Core, index: int, left: float, right: float) -> float:
 
 
 @compiled
-def _root(core: Core, index: int, left: float, right: float) -> float:
+def _root(contact: Contact, left: float, right: float) -> float:
     """Time where the margin of a contact vanishes."""
-    above = max(margin(core, index, left), 1e-300)
-    below = margin(core, index, right)
+    above = max(margin(contact, left), 1e-300)
+    below = margin(contact, right)
     side = 0
     for iteration in range(MOST_GUESSES):
         guess = between(left, right, above, below, iteration)
-        value = margin(core, index, guess)
+        value = margin(contact, guess)
         if abs(value) <= EVENT_TOLERANCE or right - left <= 1e-15 * right:
             return guess
         if value > 0.0:
@@ -215,13 +219,13 @@ def absorb(core: Core, time: float) -> None:
     """Move to a later time; Δp starts again from zero."""
     for index in range(core.contacts.size):
         contact = core.contacts[index]
-        contact.compression = value_at(core.compressions, index, time)
-        core.compressions[index, 0] = contact.compression
+        contact.compression = value_at(contact.compressions, time)
+        contact.compressions[0] = contact.compression
         if core.rows > 1:
-            contact.friction_work += value_at(core.slips[index], HEAT, time)
-    for row in range(core.velocity.size):
-        core.velocity[row] = value_at(core.velocities, row, time)
-        core.velocities[row, 0] = core.velocity[row]
-        core.forces[row, 0] = value_at(core.forces, row, time)
-        core.impulse[row] += value_at(core.impulses, row, time)
-        core.impulses[row, 0] = 0.0
+            contact.friction_work += value_at(contact.slips[HEAT], time)
+        for axis in range(core.rows):
+            contact.velocity[axis] = value_at(contact.velocities[axis], time)
+            contact.velocities[axis, 0] = contact.velocity[axis]
+            contact.forces[axis, 0] = value_at(contact.forces[axis], time)
+            contact.impulse[axis] += value_at(contact.impulses[axis], time)
+            contact.impulses[axis, 0] = 0.0

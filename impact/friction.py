@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from impact._checks import Array
 from impact.kernel import (
     DIRECTION_1,
     DIRECTION_2,
@@ -15,16 +14,18 @@ from impact.kernel import (
     SQUARE,
     STARTING,
     STICKING,
+    Contact,
     Core,
     compiled,
+    inlined,
     value_at,
 )
 from impact.starting import starting_term
 
 STOPPED = 30.0
-"""Slip velocity, over the tolerance, at which a slide is looked at for a stop."""
+"""Slip velocity, over the slowest that counts, at which a slide is looked at for a stop."""
 AT_REST = 100.0
-"""Slip velocity, over the tolerance, that counts as none: well above what errors leave across the slide."""
+"""Slip velocity, over the slowest that counts, that is none: well above what errors leave across a slide."""
 MOST_ROUNDS = 60
 
 
@@ -42,29 +43,29 @@ def friction_terms(core: Core, order: int) -> None:
         if contact.phase == INACTIVE:
             continue
         if contact.mode == SLIDING:
-            _direction_term(core, index, order)
-            _sliding_term(core, index, order)
+            _direction_term(contact, order)
+            _sliding_term(contact, order)
         starting += contact.mode == STARTING
         held += contact.mode == STICKING
     for _ in range(MOST_ROUNDS if starting > 1 or (starting > 0 and held > 0) else 1):
         change = 0.0
         if held > 0:
-            hold(core, core.forces, order)
+            hold(core, order)
         for index in range(core.contacts.size if starting > 0 else 0):
             if core.contacts[index].phase != INACTIVE and core.contacts[index].mode == STARTING:
                 change = max(change, starting_term(core, index, order))
         if change <= 1e-15:
             break
     for index in range(core.contacts.size):
-        core.slips[index, HEAT, order + 1] = -_power_of_friction(core, index, order) / (order + 1)
+        contact = core.contacts[index]
+        contact.slips[HEAT, order + 1] = -_power_of_friction(contact, order) / (order + 1)
 
 
 @compiled
-def _direction_term(core: Core, index: int, order: int) -> None:
+def _direction_term(contact: Contact, order: int) -> None:
     """Write one term of the unit vector of the slip velocity."""
-    slip = core.slips[index]
-    first = core.velocities[3 * index + 1]
-    second = core.velocities[3 * index + 2]
+    slip = contact.slips
+    first, second = contact.velocities[1], contact.velocities[2]
     square = 0.0
     for lower in range(order + 1):
         square += first[lower] * first[order - lower] + second[lower] * second[order - lower]
@@ -82,33 +83,30 @@ def _direction_term(core: Core, index: int, order: int) -> None:
 
 
 @compiled
-def _sliding_term(core: Core, index: int, order: int) -> None:
+def _sliding_term(contact: Contact, order: int) -> None:
     """Write one term of ``-μ (dp_n/dσ) û_t``."""
-    slip = core.slips[index]
-    normal = core.forces[3 * index]
-    friction = core.contacts[index].friction
+    slip, forces = contact.slips, contact.forces
     for lower in range(order + 1):
-        core.forces[3 * index + 1, order] -= friction * normal[lower] * slip[DIRECTION_1, order - lower]
-        core.forces[3 * index + 2, order] -= friction * normal[lower] * slip[DIRECTION_2, order - lower]
+        force = contact.friction * forces[0, lower]
+        forces[1, order] -= force * slip[DIRECTION_1, order - lower]
+        forces[2, order] -= force * slip[DIRECTION_2, order - lower]
 
 
 @compiled
-def _power_of_friction(core: Core, index: int, order: int) -> float:
+def _power_of_friction(contact: Contact, order: int) -> float:
     total = 0.0
-    for row in (3 * index + 1, 3 * index + 2):
+    for axis in range(1, 3):
         for lower in range(order + 1):
-            total += core.velocities[row, lower] * core.forces[row, order - lower]
+            total += contact.velocities[axis, lower] * contact.forces[axis, order - lower]
     return total
 
 
-@compiled
-def slip_along(core: Core, index: int, time: float) -> float:
+@inlined
+def slip_along(contact: Contact, time: float) -> float:
     """Slip velocity along the direction noted for the contact."""
-    contact = core.contacts[index]
-    return float(
-        value_at(core.velocities, 3 * index + 1, time) * contact.direction_1
-        + value_at(core.velocities, 3 * index + 2, time) * contact.direction_2
-    )
+    first = value_at(contact.velocities[1], time)
+    second = value_at(contact.velocities[2], time)
+    return float(first * contact.direction_1 + second * contact.direction_2)
 
 
 @compiled
@@ -116,63 +114,63 @@ def turn_directions(core: Core) -> None:
     """Note the present direction of every slide; one that had just started is now a slide like any other."""
     for index in range(core.contacts.size):
         contact = core.contacts[index]
-        slip = math.hypot(core.velocity[3 * index + 1], core.velocity[3 * index + 2])
+        slip = math.hypot(contact.velocity[1], contact.velocity[2])
         if (
             contact.phase != INACTIVE
             and contact.mode in (STARTING, SLIDING)
-            and slip > STOPPED * core.tolerance
+            and slip > STOPPED * contact.slowest
         ):
             contact.mode = SLIDING
-            contact.direction_1 = core.velocity[3 * index + 1] / slip
-            contact.direction_2 = core.velocity[3 * index + 2] / slip
+            contact.direction_1 = contact.velocity[1] / slip
+            contact.direction_2 = contact.velocity[2] / slip
 
 
 @compiled
-def friction_margin(core: Core, index: int, time: float) -> float:
+def friction_margin(contact: Contact, time: float) -> float:
     """How far an active contact is from leaving its mode; positive while it stays."""
-    contact = core.contacts[index]
     if contact.mode == SLIDING:
-        return slip_along(core, index, time) - STOPPED * core.tolerance
+        return slip_along(contact, time) - STOPPED * contact.slowest
     if contact.mode == STICKING:
-        first = value_at(core.forces, 3 * index + 1, time)
-        second = value_at(core.forces, 3 * index + 2, time)
-        limit = contact.friction * value_at(core.forces, 3 * index, time)
+        first = value_at(contact.forces[1], time)
+        second = value_at(contact.forces[2], time)
+        limit = contact.friction * value_at(contact.forces[0], time)
         return float(limit * (1.0 + 1e-9) + 1e-15 - math.hypot(first, second))
     return math.inf
 
 
-@compiled
-def is_held(core: Core, index: int) -> bool:
-    """Whether a contact is active and sticks."""
-    contact = core.contacts[index]
-    return bool(contact.phase != INACTIVE and contact.mode == STICKING)
+@inlined
+def is_held(core: Core, row: int) -> bool:
+    """Whether a row is a tangent of a contact that is active and sticks."""
+    contact = core.contacts[row // 3]
+    return bool(row % 3 > 0 and contact.phase != INACTIVE and contact.mode == STICKING)
 
 
 @compiled
-def hold(core: Core, forces: Array, column: int) -> None:
-    """Write into one column of `forces` the friction that keeps all sticking contacts at rest together."""
-    for index in range(core.contacts.size):
-        if is_held(core, index):
-            for row in (3 * index + 1, 3 * index + 2):
-                forces[row, column] = 0.0
-    size = core.velocity.size
-    for row in range(size):  # forward substitution, with the unknowns kept in place
-        if row % 3 == 0 or not is_held(core, row // 3):
+def hold(core: Core, order: int) -> None:
+    """Write one term of the friction that keeps all sticking contacts at rest together.
+
+    The unknowns stay where they belong, among the forces; `held` is their matrix, already factored.
+    """
+    contacts = core.contacts
+    size = 3 * contacts.size
+    for row in range(size):  # forward substitution
+        if not is_held(core, row):
             continue
         total = 0.0
         for other in range(size):
-            if other % 3 == 0 or not is_held(core, other // 3):
-                total -= core.delassus[row, other] * forces[other, column]
-        for other in range(row):
-            total -= core.held[row, other] * forces[other, column]
-        forces[row, column] = total / core.held[row, row]
+            if not is_held(core, other):
+                total -= core.delassus[row, other] * contacts[other // 3].forces[other % 3, order]
+            elif other < row:
+                total -= core.held[row, other] * contacts[other // 3].forces[other % 3, order]
+        contacts[row // 3].forces[row % 3, order] = total / core.held[row, row]
     for row in range(size - 1, -1, -1):  # back substitution
-        if row % 3 == 0 or not is_held(core, row // 3):
+        if not is_held(core, row):
             continue
-        total = forces[row, column]
+        total = contacts[row // 3].forces[row % 3, order]
         for other in range(row + 1, size):
-            total -= core.held[other, row] * forces[other, column]
-        forces[row, column] = total / core.held[row, row]
+            if is_held(core, other):
+                total -= core.held[other, row] * contacts[other // 3].forces[other % 3, order]
+        contacts[row // 3].forces[row % 3, order] = total / core.held[row, row]
 
 
 @compiled
@@ -181,13 +179,13 @@ def factor_held(core: Core) -> None:
 
     A tiny ridge lets contacts share a load that the laws do not divide, as two feet of one rigid body do.
     """
-    size = core.velocity.size
+    size = 3 * core.contacts.size
     core.held[:, :] = 0.0
     for row in range(size):
-        if row % 3 == 0 or not is_held(core, row // 3):
+        if not is_held(core, row):
             continue
         for column in range(row + 1):
-            if column % 3 == 0 or not is_held(core, column // 3):
+            if not is_held(core, column):
                 continue
             total = core.delassus[row, column]
             for other in range(column):

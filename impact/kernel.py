@@ -20,16 +20,23 @@ from impact.contact import ContactMode, Phase
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 njit: Any = numba.njit  # its stubs do not know `_nrt`
-compiled: Callable[[Function], Function] = njit(
-    cache=True, error_model="numpy", _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True
-)
+OPTIONS = {
+    "cache": True,
+    "error_model": "numpy",
+    "_nrt": False,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+compiled: Callable[[Function], Function] = njit(**OPTIONS)
 """Compile a function to machine code on first call and keep the code on disk.
 
 It goes without reference counts (`_nrt`), which cost more than the work; so it must not create arrays. Python
 cannot call it: without wrappers for that, all of the engine compiles in two thirds of the time.
 """
+inlined: Callable[[Function], Function] = njit(forceinline=True, **OPTIONS)
+"""The same for a small function that is called so often that the call itself would cost most."""
 compiled_entry: Callable[[Function], Function] = njit(cache=True, error_model="numpy", nogil=True)
-"""The same for a function that creates arrays or is called from Python; it lets other threads run."""
+"""The same for a function that Python calls; it lets other threads run."""
 
 INACTIVE, COMPRESSION, RESTITUTION = (int(phase) for phase in Phase)
 FRICTIONLESS, STICKING, STARTING, SLIDING = (int(mode) for mode in ContactMode)
@@ -47,77 +54,113 @@ CONTACT = np.dtype(
         ("exponent", np.float64),
         ("friction", np.float64),
         ("restitution", np.float64),
+        ("energy_dropped", np.float64),  # lost where restitution ended
+        ("friction_work", np.float64),  # turned into heat by sliding
+    ]
+)
+"""What one contact is, and what the collision made of it."""
+
+TERMS = ORDER + 1
+SQUARE, INVERSE, DIRECTION_1, DIRECTION_2, GROWTH, HEAT, SLIP_SERIES = range(7)
+"""Series of a slide: ``|u_t|²``, ``1 / |u_t|``, unit vector of ``u_t``, ``d|u_t|/dσ``, friction work."""
+
+LIVE = np.dtype(
+    [
+        *((name, np.float64) for name in CONTACT.names or ()),
         ("phase", np.int64),
         ("mode", np.int64),
         ("direction_1", np.float64),  # of sliding, along the two tangents
         ("direction_2", np.float64),
         ("onset", np.int64),  # order of the first term that moves a starting slide, -1 if not yet met
+        ("slowest", np.float64),  # slip velocity that is as good as none
         ("compression", np.float64),  # δ
         ("rest_compression", np.float64),  # δ at which restitution ends
         ("first_impulse", np.float64),  # p_n when the contact became active
         ("last_impulse", np.float64),  # p_n at which restitution ends under Poisson's law
-        ("energy_dropped", np.float64),  # lost where restitution ended
-        ("friction_work", np.float64),  # turned into heat by sliding
+        ("velocity", np.float64, (3,)),  # u now: along the normal, then along the two tangents
+        ("impulse", np.float64, (3,)),  # p since the start of the collision
+        ("opening", np.float64, (3,)),  # p when the present state began
+        ("compressions", np.float64, (TERMS,)),  # series of δ from now on
+        ("velocities", np.float64, (3, TERMS)),  # series of u
+        ("forces", np.float64, (3, TERMS)),  # series of dp/dσ
+        ("impulses", np.float64, (3, TERMS)),  # series of Δp
+        ("slips", np.float64, (SLIP_SERIES, TERMS)),
     ]
 )
-"""One contact: first what it is, then how it fares."""
+"""One contact under way. It holds all that is known of it, so that most functions need nothing else."""
 
-SQUARE, INVERSE, DIRECTION_1, DIRECTION_2, GROWTH, HEAT, SLIP_SERIES = range(7)
-"""Series of one contact: ``|u_t|²``, ``1 / |u_t|``, unit vector of ``u_t``, ``d|u_t|/dσ``, friction work."""
+Contact = Any
+"""One record of dtype `LIVE`."""
 
 
 class Core(NamedTuple):
     """One collision under way, n contacts of r rows each; the arrays are altered in place."""
 
-    contacts: npt.NDArray[np.void]  # (n,) of dtype CONTACT
+    contacts: npt.NDArray[np.void]  # (n,) of dtype LIVE
     delassus: Array  # (n r, n r) A
-    velocity: Array  # (n r,) u now
-    impulse: Array  # (n r,) p since the start of the collision
-    opening: Array  # (n r,) p when the present state began
-    compressions: Array  # (n, ORDER + 1) series of δ from now on
-    velocities: Array  # (n r, ORDER + 1) series of u
-    forces: Array  # (n r, ORDER + 1) series of dp/dσ
-    impulses: Array  # (n r, ORDER + 1) series of Δp
-    slips: Array  # (n, SLIP_SERIES, ORDER + 1) series of sliding; empty if r = 1
-    held: Array  # (n r, n r) Cholesky factor that keeps the sticking contacts at rest; empty if r = 1
+    held: Array  # (n r, n r) Cholesky factor that keeps the sticking contacts at rest; unused if r = 1
     rows: int  # r
     tolerance: float
     poisson: bool
 
 
 @compiled
-def elastic_energy(core: Core, index: int) -> float:
-    """Energy ``k δ**(η+1) / (η+1)`` stored in one contact."""
-    contact = core.contacts[index]
+def elastic_energy(contact: Contact) -> float:
+    """Energy ``k δ**(η+1) / (η+1)`` stored in a contact."""
     power = contact.exponent + 1.0
     return float(contact.stiffness * max(contact.compression, 0.0) ** power / power)
 
 
-@compiled
-def value_at(series: Array, row: int, time: float) -> float:
-    """Value of one series of a table at σ = `time`, by Horner's rule in four strands.
+@inlined
+def value_at(series: Array, time: float) -> float:
+    """Value of a series at σ = `time`, by Horner's rule in four strands.
 
     The processor follows the strands side by side; one strand would wait for itself at every term.
     """
     fourth = (time * time) * (time * time)
-    zeroth = series[row, ORDER]
+    zeroth = series[ORDER]
     first = second = third = 0.0
     for order in range(ORDER - 4, -1, -4):
-        third = third * fourth + series[row, order + 3]
-        second = second * fourth + series[row, order + 2]
-        first = first * fourth + series[row, order + 1]
-        zeroth = zeroth * fourth + series[row, order]
+        third = third * fourth + series[order + 3]
+        second = second * fourth + series[order + 2]
+        first = first * fourth + series[order + 1]
+        zeroth = zeroth * fourth + series[order]
     return float(zeroth + time * (first + time * (second + time * third)))
 
 
-@compiled
-def slope_at(series: Array, row: int, time: float) -> float:
-    """Slope of one series of a table at σ = `time`, in the same way."""
+@inlined
+def slope_at(series: Array, time: float) -> float:
+    """Slope of a series at σ = `time`, in the same way."""
     fourth = (time * time) * (time * time)
     zeroth = first = second = third = 0.0
     for order in range(ORDER - 4, -1, -4):
-        third = third * fourth + (order + 4) * series[row, order + 4]
-        second = second * fourth + (order + 3) * series[row, order + 3]
-        first = first * fourth + (order + 2) * series[row, order + 2]
-        zeroth = zeroth * fourth + (order + 1) * series[row, order + 1]
+        third = third * fourth + (order + 4) * series[order + 4]
+        second = second * fourth + (order + 3) * series[order + 3]
+        first = first * fourth + (order + 2) * series[order + 2]
+        zeroth = zeroth * fourth + (order + 1) * series[order + 1]
     return float(zeroth + time * (first + time * (second + time * third)))
+
+
+@inlined
+def acceleration(core: Core, row: int, order: int) -> float:
+    """Term of ``du/dσ = A dp/dσ`` for one row, by the same term of all forces."""
+    total = 0.0
+    column = 0
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        for axis in range(core.rows):
+            total += core.delassus[row, column] * contact.forces[axis, order]
+            column += 1
+    return total
+
+
+@compiled
+def push(core: Core, row: int, impulse: float) -> None:
+    """Give an impulse at once along one row, and to all contacts the velocity that follows from it."""
+    core.contacts[row // core.rows].impulse[row % core.rows] += impulse
+    column = 0
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        for axis in range(core.rows):
+            contact.velocity[axis] += core.delassus[column, row] * impulse
+            column += 1

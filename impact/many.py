@@ -18,7 +18,7 @@ from impact.contact import RestitutionLaw
 from impact.diagram import FINISHED, run
 from impact.drop import TwoBallDrop
 from impact.record import STATES, Record, Room, new_records, room_needed
-from impact.scaling import Tasks, new_tasks
+from impact.scaling import Tasks, new_core, new_tasks
 from impact.shot import CueShot
 from impact.system import TWO_CONTACT_STATES
 
@@ -179,10 +179,13 @@ def _run_in_threads(tasks: Tasks, records: Record) -> None:
     count = len(tasks.status)
     share = max(ROWS_AT_LEAST, count // (8 * PROCESSORS) + 1)
     if count <= share:
-        run(tasks, records, 0, count)
+        run(tasks, records, new_core(tasks), 0, count)
         return
     with ThreadPoolExecutor(PROCESSORS) as pool:
-        shares = [pool.submit(run, tasks, records, i, min(i + share, count)) for i in range(0, count, share)]
+        shares = [
+            pool.submit(run, tasks, records, new_core(tasks), first, min(first + share, count))
+            for first in range(0, count, share)
+        ]
     for done in shares:
         done.result()
 

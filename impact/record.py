@@ -66,11 +66,11 @@ def note_sample(core: Core, record: Record, time: float) -> None:
     count = core.contacts.size
     for index in range(count):
         contact = core.contacts[index]
-        record.samples[sample, index] = value_at(core.compressions, index, time)
+        record.samples[sample, index] = value_at(contact.compressions, time)
         record.samples[sample, count + index] = contact.mode if contact.phase != INACTIVE else -1
-    for row in range(core.impulse.size):
-        impulse = core.impulse[row] + value_at(core.impulses, row, time)
-        record.samples[sample, 2 * count + row] = impulse
+        for axis in range(core.rows):
+            impulse = contact.impulse[axis] + value_at(contact.impulses[axis], time)
+            record.samples[sample, 2 * count + index * core.rows + axis] = impulse
 
 
 @compiled
@@ -90,8 +90,10 @@ def open_state(core: Core, record: Record) -> None:
     if record.counts[IS_OPEN]:
         return
     record.counts[IS_OPEN] = 1
-    for row in range(core.impulse.size):
-        core.opening[row] = core.impulse[row]
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        for axis in range(core.rows):
+            contact.opening[axis] = contact.impulse[axis]
     state = record.counts[STATES]
     if state < record.states.shape[0]:
         record.states[state, 0] = record.counts[SAMPLES]
@@ -104,8 +106,10 @@ def close_state(core: Core, record: Record) -> None:
     """End a state; one in which no impulse grew is no state and is written over by the next."""
     record.counts[IS_OPEN] = 0
     growth = 0.0
-    for row in range(core.impulse.size):
-        growth = max(growth, abs(core.impulse[row] - core.opening[row]))
+    for index in range(core.contacts.size):
+        contact = core.contacts[index]
+        for axis in range(core.rows):
+            growth = max(growth, abs(contact.impulse[axis] - contact.opening[axis]))
     if growth <= SPEED_FLOOR:
         return
     state = record.counts[STATES]

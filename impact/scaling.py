@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from impact._checks import Array
 from impact.contact import Contact, RestitutionLaw
-from impact.kernel import CONTACT, ORDER, SLIP_SERIES, Core, compiled, compiled_entry
+from impact.kernel import CONTACT, FRICTIONLESS, INACTIVE, LIVE, Core, compiled
 
 Contacts = npt.NDArray[np.void]
 
@@ -86,25 +86,14 @@ def scale(tasks: Tasks, row: int) -> None:
     tasks.units[row, 2] = length
 
 
-@compiled_entry
-def new_core(tasks: Tasks, row: int) -> Core:
-    """Lay out what the kernel works on, in scaled units."""
+def new_core(tasks: Tasks) -> Core:
+    """Room for one collision under way; `load` fills it."""
     count = tasks.contacts.shape[1]
     size = tasks.velocity.shape[1]
-    tangents = count if size > count else 0
-    speed, impulse = tasks.units[row, 0], tasks.units[row, 1]
     return Core(
-        tasks.contacts[row],
-        tasks.delassus[row] * (impulse / speed),
-        tasks.velocity[row] / speed,
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros((count, ORDER + 1)),
-        np.zeros((size, ORDER + 1)),
-        np.zeros((size, ORDER + 1)),
-        np.zeros((size, ORDER + 1)),
-        np.zeros((tangents, SLIP_SERIES, ORDER + 1)),
-        np.zeros((tangents * 3, tangents * 3)),
+        np.zeros(count, LIVE),
+        np.zeros((size, size)),
+        np.zeros((size, size)),
         size // count,
         tasks.tolerance,
         tasks.poisson,
@@ -112,11 +101,40 @@ def new_core(tasks: Tasks, row: int) -> Core:
 
 
 @compiled
+def load(tasks: Tasks, row: int, core: Core) -> None:
+    """Set the core to the start of one task, in scaled units."""
+    speed, impulse = tasks.units[row, 0], tasks.units[row, 1]
+    size = tasks.velocity.shape[1]
+    fastest = 1.0
+    for one in range(size):
+        fastest = max(fastest, abs(tasks.velocity[row, one]) / speed)
+        for other in range(size):
+            core.delassus[one, other] = tasks.delassus[row, one, other] * (impulse / speed)
+    for index in range(core.contacts.size):
+        contact, given = core.contacts[index], tasks.contacts[row, index]
+        contact.stiffness = given.stiffness
+        contact.exponent = given.exponent
+        contact.friction = given.friction
+        contact.restitution = given.restitution
+        contact.energy_dropped = 0.0
+        contact.friction_work = 0.0
+        contact.phase = INACTIVE
+        contact.mode = FRICTIONLESS
+        contact.slowest = core.tolerance * fastest
+        contact.compression = 0.0
+        contact.last_impulse = np.inf
+        for axis in range(core.rows):
+            contact.velocity[axis] = tasks.velocity[row, index * core.rows + axis] / speed
+            contact.impulse[axis] = 0.0
+
+
+@compiled
 def settle_accounts(tasks: Tasks, row: int, core: Core) -> None:
     """Write impulses and energies back in SI units."""
     energy = tasks.units[row, 0] * tasks.units[row, 1]
-    for index in range(core.impulse.size):
-        tasks.impulse[row, index] = core.impulse[index] * tasks.units[row, 1]
     for index in range(core.contacts.size):
-        core.contacts[index].energy_dropped *= energy
-        core.contacts[index].friction_work *= energy
+        contact, given = core.contacts[index], tasks.contacts[row, index]
+        given.energy_dropped = contact.energy_dropped * energy
+        given.friction_work = contact.friction_work * energy
+        for axis in range(core.rows):
+            tasks.impulse[row, index * core.rows + axis] = contact.impulse[axis] * tasks.units[row, 1]

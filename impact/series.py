@@ -15,7 +15,7 @@ import math
 
 from impact._checks import Array
 from impact.friction import friction_terms
-from impact.kernel import INACTIVE, ORDER, Core, compiled
+from impact.kernel import INACTIVE, ORDER, Contact, Core, acceleration, compiled, inlined
 
 FOOT = 1e-5
 """Below this depth a Hertzian spring is taken as linear, since ``δ**1.5`` has no series at δ = 0.
@@ -27,45 +27,44 @@ The energy stored there is less than 1e-12 of the whole, so no outcome feels it.
 @compiled
 def expand(core: Core) -> None:
     """Write the series of compression, force, impulse and velocity from the present state on."""
-    _load(core)
-    count = core.contacts.size
-    rows = core.rows
+    for index in range(core.contacts.size):
+        _load(core.contacts[index], core.rows)
     for order in range(ORDER):
-        for index in range(count):
+        share = 1.0 / (order + 1)
+        for index in range(core.contacts.size):
             contact = core.contacts[index]
             if contact.phase != INACTIVE:
-                core.forces[index * rows, order] = _force_term(core, index, order)
-                core.compressions[index, order + 1] = -core.velocities[index * rows, order] / (order + 1)
-        if rows > 1:
+                contact.forces[0, order] = _force_term(contact, order)
+                contact.compressions[order + 1] = -contact.velocities[0, order] * share
+        if core.rows > 1:
             friction_terms(core, order)
-        for row in range(core.velocity.size):
-            core.impulses[row, order + 1] = core.forces[row, order] / (order + 1)
-        for row in range(core.velocity.size):
-            total = 0.0
-            for column in range(core.velocity.size):
-                total += core.delassus[row, column] * core.impulses[column, order + 1]
-            core.velocities[row, order + 1] = total
+        row = 0
+        for index in range(core.contacts.size):
+            contact = core.contacts[index]
+            for axis in range(core.rows):
+                contact.impulses[axis, order + 1] = contact.forces[axis, order] * share
+                contact.velocities[axis, order + 1] = acceleration(core, row, order) * share
+                row += 1
 
 
-@compiled
-def _load(core: Core) -> None:
+@inlined
+def _load(contact: Contact, rows: int) -> None:
     """Set the terms of order 0, and all others to zero."""
-    core.compressions[:, :] = 0.0
-    core.velocities[:, :] = 0.0
-    core.forces[:, :] = 0.0
-    core.impulses[:, :] = 0.0
-    core.slips[:, :, :] = 0.0
-    for index in range(core.contacts.size):
-        core.compressions[index, 0] = core.contacts[index].compression
-        core.contacts[index].onset = -1
-    for row in range(core.velocity.size):
-        core.velocities[row, 0] = core.velocity[row]
+    contact.onset = -1
+    contact.compressions[:] = 0.0
+    contact.compressions[0] = contact.compression
+    for axis in range(rows):
+        contact.velocities[axis, :] = 0.0
+        contact.velocities[axis, 0] = contact.velocity[axis]
+        contact.forces[axis, :] = 0.0
+        contact.impulses[axis, :] = 0.0
+    if rows > 1:
+        contact.slips[:, :] = 0.0
 
 
-@compiled
-def spring_force(core: Core, index: int, depth: float) -> float:
+@inlined
+def spring_force(contact: Contact, depth: float) -> float:
     """Force ``k δ**η`` of the virtual spring at a depth."""
-    contact = core.contacts[index]
     if contact.exponent == 1.0:
         return float(contact.stiffness * depth)
     if depth < FOOT:
@@ -73,18 +72,17 @@ def spring_force(core: Core, index: int, depth: float) -> float:
     return float(contact.stiffness * depth**contact.exponent)
 
 
-@compiled
-def _force_term(core: Core, index: int, order: int) -> float:
+@inlined
+def _force_term(contact: Contact, order: int) -> float:
     """One term of the normal force."""
-    contact = core.contacts[index]
-    term = core.compressions[index, order]
+    term = contact.compressions[order]
     if order == 0:
-        return spring_force(core, index, term)
+        return spring_force(contact, term)
     if contact.exponent == 1.0:
         return float(contact.stiffness * term)
-    if core.compressions[index, 0] < FOOT:
+    if contact.compressions[0] < FOOT:
         return float(contact.stiffness * FOOT ** (contact.exponent - 1.0) * term)
-    return _power_term(core.compressions[index], core.forces[index * core.rows], contact.exponent, order)
+    return _power_term(contact.compressions, contact.forces[0], contact.exponent, order)
 
 
 @compiled
@@ -99,26 +97,25 @@ def _power_term(base: Array, power: Array, exponent: float, order: int) -> float
 @compiled
 def longest_step(core: Core) -> float:
     """Step at which the last two terms of every impulse and compression are within tolerance."""
-    longest = math.inf
-    for row in range(core.velocity.size):
-        longest = min(longest, _reach(core.impulses[row], core.tolerance))
+    last = 0.0
+    before_last = 0.0
     for index in range(core.contacts.size):
-        longest = min(longest, _reach(core.compressions[index], core.tolerance))
+        contact = core.contacts[index]
+        last = max(last, abs(contact.compressions[ORDER]))
+        before_last = max(before_last, abs(contact.compressions[ORDER - 1]))
+        for axis in range(core.rows):
+            last = max(last, abs(contact.impulses[axis, ORDER]))
+            before_last = max(before_last, abs(contact.impulses[axis, ORDER - 1]))
+    longest = math.inf
+    if last > 0.0:
+        longest = (core.tolerance / last) ** (1.0 / ORDER)
+    if before_last > 0.0:
+        longest = min(longest, (core.tolerance / before_last) ** (1.0 / (ORDER - 1)))
     for index in range(core.contacts.size):
         contact = core.contacts[index]
         if contact.phase != INACTIVE and contact.exponent != 1.0 and contact.compression < FOOT:
-            longest = min(longest, _time_in_foot(core.compressions[index], longest))
+            longest = min(longest, _time_in_foot(contact.compressions, longest))
     return longest
-
-
-@compiled
-def _reach(series: Array, tolerance: float) -> float:
-    reach = math.inf
-    for order in (ORDER - 1, ORDER):
-        term = abs(series[order])
-        if term > 0.0:
-            reach = min(reach, (tolerance / term) ** (1.0 / order))
-    return reach
 
 
 @compiled

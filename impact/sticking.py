@@ -18,6 +18,7 @@ from impact.kernel import (
     SLIDING,
     STARTING,
     STICKING,
+    Contact,
     Core,
     compiled,
 )
@@ -36,10 +37,10 @@ def choose_modes(core: Core) -> None:
     """
     undecided = 0
     for index in range(core.contacts.size):
-        core.forces[3 * index + 1, 0] = 0.0
-        core.forces[3 * index + 2, 0] = 0.0
-        if core.contacts[index].phase != INACTIVE:
-            undecided += _begin(core, index)
+        contact = core.contacts[index]
+        contact.forces[1, 0], contact.forces[2, 0] = 0.0, 0.0
+        if contact.phase != INACTIVE:
+            undecided += _begin(contact)
     for _ in range(MOST_ROUNDS if undecided > 1 else undecided):
         if not _go_round(core):
             break
@@ -50,25 +51,22 @@ def choose_modes(core: Core) -> None:
 
 
 @compiled
-def _begin(core: Core, index: int) -> int:
+def _begin(contact: Contact) -> int:
     """Let what slips slide, and count a contact at rest as sticking for now: 1 if it is at rest."""
-    contact = core.contacts[index]
     if contact.friction < LEAST_FRICTION:
         contact.mode = FRICTIONLESS
         return 0
-    row = 3 * index
-    slip = math.hypot(core.velocity[row + 1], core.velocity[row + 2])
-    if slip <= AT_REST * core.tolerance:
+    slip = math.hypot(contact.velocity[1], contact.velocity[2])
+    if slip <= AT_REST * contact.slowest:
         contact.mode = STICKING
-        core.velocity[row + 1] = 0.0
-        core.velocity[row + 2] = 0.0
+        contact.velocity[1], contact.velocity[2] = 0.0, 0.0
         return 1
     contact.mode = SLIDING
-    contact.direction_1 = core.velocity[row + 1] / slip
-    contact.direction_2 = core.velocity[row + 2] / slip
-    limit = contact.friction * core.forces[row, 0]
-    core.forces[row + 1, 0] = -limit * contact.direction_1
-    core.forces[row + 2, 0] = -limit * contact.direction_2
+    contact.direction_1 = contact.velocity[1] / slip
+    contact.direction_2 = contact.velocity[2] / slip
+    limit = contact.friction * contact.forces[0, 0]
+    contact.forces[1, 0] = -limit * contact.direction_1
+    contact.forces[2, 0] = -limit * contact.direction_2
     return 0
 
 
@@ -80,14 +78,13 @@ def _go_round(core: Core) -> bool:
         contact = core.contacts[index]
         if contact.phase == INACTIVE or contact.mode != STICKING:
             continue
-        row = 3 * index
-        before_1, before_2 = core.forces[row + 1, 0], core.forces[row + 2, 0]
-        core.forces[row + 1, 0], core.forces[row + 2, 0] = 0.0, 0.0
-        pull_1, pull_2 = tangential_pull(core, row, 0)
-        limit = contact.friction * core.forces[row, 0]
-        force_1, force_2 = best_in_disc(core, row, pull_1, pull_2, limit)
-        core.forces[row + 1, 0], core.forces[row + 2, 0] = force_1, force_2
-        changed = changed or math.hypot(force_1 - before_1, force_2 - before_2) > 1e-14 * limit
+        forces = contact.forces
+        before_1, before_2 = forces[1, 0], forces[2, 0]
+        forces[1, 0], forces[2, 0] = 0.0, 0.0
+        pull_1, pull_2 = tangential_pull(core, index, 0)
+        limit = contact.friction * forces[0, 0]
+        forces[1, 0], forces[2, 0] = best_in_disc(core, index, pull_1, pull_2, limit)
+        changed = changed or math.hypot(forces[1, 0] - before_1, forces[2, 0] - before_2) > 1e-14 * limit
     return changed
 
 
@@ -98,11 +95,10 @@ def _decide(core: Core, index: int) -> None:
     One that has no normal force yet has no friction either; it slides wherever it is pulled.
     """
     contact = core.contacts[index]
-    limit = contact.friction * core.forces[3 * index, 0]
-    force_1 = core.forces[3 * index + 1, 0]
-    force_2 = core.forces[3 * index + 2, 0]
+    limit = contact.friction * contact.forces[0, 0]
+    force_1, force_2 = contact.forces[1, 0], contact.forces[2, 0]
     if limit <= 0.0:
-        pull_1, pull_2 = tangential_pull(core, 3 * index, 0)
+        pull_1, pull_2 = tangential_pull(core, index, 0)
         force_1, force_2 = -pull_1, -pull_2
     size = math.hypot(force_1, force_2)
     if size > 0.0 and size >= limit * (1.0 - 1e-10):

@@ -10,9 +10,12 @@ from impact.kernel import (
     SLIDING,
     SPEED_FLOOR,
     STARTING,
+    Contact,
     Core,
+    acceleration,
     compiled,
     elastic_energy,
+    push,
 )
 from impact.record import (
     COMPRESSION_ENDS,
@@ -39,8 +42,8 @@ def engage(core: Core) -> bool:
     any_active = False
     for index in range(core.contacts.size):
         contact = core.contacts[index]
-        if contact.phase == INACTIVE and core.velocity[index * core.rows] < -0.5 * SPEED_FLOOR:
-            activate(core, index)
+        if contact.phase == INACTIVE and contact.velocity[0] < -0.5 * SPEED_FLOOR:
+            activate(contact)
         any_active = any_active or contact.phase != INACTIVE
     if not any_active or settled(core):
         return False
@@ -55,9 +58,10 @@ def settled(core: Core) -> bool:
     """Whether all that is left is below tolerance: a collapse takes infinitely many states (Theorem 3)."""
     stored = 0.0
     for index in range(core.contacts.size):
-        if core.velocity[index * core.rows] < -SETTLED:
+        contact = core.contacts[index]
+        if contact.velocity[0] < -SETTLED:
             return False
-        stored += elastic_energy(core, index)
+        stored += elastic_energy(contact)
     if stored > SETTLED**2:
         return False
     for index in range(core.contacts.size):
@@ -69,35 +73,37 @@ def settled(core: Core) -> bool:
 def wake_resting(core: Core) -> bool:
     """Activate one contact at rest that the forces of the next moment push together, if there is one."""
     for index in range(core.contacts.size):
-        row = index * core.rows
-        if core.contacts[index].phase != INACTIVE or core.velocity[row] > 2.0 * SPEED_FLOOR:
+        contact = core.contacts[index]
+        if contact.phase != INACTIVE or contact.velocity[0] > 2.0 * SPEED_FLOOR:
             continue
-        push = 0.0
+        row = index * core.rows
         size = 0.0
-        for column in range(core.velocity.size):
-            part = core.delassus[row, column] * core.forces[column, 0]
-            push -= part
-            size += abs(part)
-        if push > max(1e-9 * size, FAINTEST_PUSH):
-            activate(core, index)
+        column = 0
+        for other in range(core.contacts.size):
+            for axis in range(core.rows):
+                size += abs(core.delassus[row, column] * core.contacts[other].forces[axis, 0])
+                column += 1
+        if -acceleration(core, row, 0) > max(1e-9 * size, FAINTEST_PUSH):
+            activate(contact)
             return True
     return False
 
 
 @compiled
 def look_ahead(core: Core) -> None:
-    """Write the forces of the next moment into the first column of `core.forces`, and choose friction modes.
+    """Write the forces of the next moment into the first terms of the force series; choose friction modes.
 
     Each pass carries the push one contact further, so that a row of touching balls is felt to its end.
     """
-    for row in range(core.velocity.size):
-        core.forces[row, 0] = 0.0
+    for index in range(core.contacts.size):
+        for axis in range(core.rows):
+            core.contacts[index].forces[axis, 0] = 0.0
     for _ in range(core.contacts.size):
         for index in range(core.contacts.size):
             contact = core.contacts[index]
             if contact.phase != INACTIVE:
                 depth = contact.compression if contact.compression > 0.0 else _depth_soon(core, index)
-                core.forces[index * core.rows, 0] = spring_force(core, index, depth)
+                contact.forces[0, 0] = spring_force(contact, depth)
         if core.rows > 1:
             choose_modes(core)
 
@@ -105,20 +111,16 @@ def look_ahead(core: Core) -> None:
 @compiled
 def _depth_soon(core: Core, index: int) -> float:
     """Depth that a contact which has just begun will have a moment later."""
-    row = index * core.rows
-    closing = -core.velocity[row]
-    for column in range(core.velocity.size):
-        closing -= MOMENT * core.delassus[row, column] * core.forces[column, 0]
-    return float(MOMENT * max(closing, 0.0))
+    opening = core.contacts[index].velocity[0] + MOMENT * acceleration(core, index * core.rows, 0)
+    return float(MOMENT * max(-opening, 0.0))
 
 
 @compiled
-def activate(core: Core, index: int) -> None:
+def activate(contact: Contact) -> None:
     """Begin compression at a contact."""
-    contact = core.contacts[index]
     contact.phase = COMPRESSION
     contact.compression = 0.0
-    contact.first_impulse = core.impulse[index * core.rows]
+    contact.first_impulse = contact.impulse[0]
 
 
 @compiled
@@ -129,21 +131,21 @@ def transition(core: Core, record: Record) -> None:
     """
     changed = False
     for index in range(core.contacts.size):
-        if phase_margin(core, index, 0.0) > EVENT_TOLERANCE:
-            continue
         contact = core.contacts[index]
+        if phase_margin(contact, 0.0) > EVENT_TOLERANCE:
+            continue
         if contact.phase == INACTIVE:
-            activate(core, index)
+            activate(contact)
             note_event(record, REACTIVATION, index)
             changed = True
             continue
         if contact.phase == COMPRESSION:
-            turn(core, index)
+            turn(contact, core.poisson)
             note_event(record, COMPRESSION_ENDS, index)
-        elif remaining(core, index, 0.0) > EVENT_TOLERANCE:
+        elif remaining(contact, 0.0) > EVENT_TOLERANCE:
             contact.phase = COMPRESSION  # pushed together again before restitution could end
             continue
-        if remaining(core, index, 0.0) <= EVENT_TOLERANCE:
+        if remaining(contact, 0.0) <= EVENT_TOLERANCE:
             finish(core, index)
             note_event(record, RESTITUTION_ENDS, index)
             changed = True
@@ -152,22 +154,22 @@ def transition(core: Core, record: Record) -> None:
 
 
 @compiled
-def turn(core: Core, index: int) -> None:
+def turn(contact: Contact, poisson: bool) -> None:
     """End compression and set where restitution will end (Section 2.2), or its rival by Poisson."""
-    contact = core.contacts[index]
     restitution = contact.restitution
-    impulse = core.impulse[index * core.rows]
     kept = (1.0 - restitution**2) ** (1.0 / (contact.exponent + 1.0))
     contact.phase = RESTITUTION
     contact.rest_compression = kept * contact.compression
-    contact.last_impulse = impulse + restitution * (impulse - contact.first_impulse)
+    if poisson:
+        impulse = contact.impulse[0]
+        contact.last_impulse = impulse + restitution * (impulse - contact.first_impulse)
 
 
 @compiled
 def finish(core: Core, index: int) -> None:
     """End a contact and drop the energy left in it."""
     contact = core.contacts[index]
-    contact.energy_dropped += elastic_energy(core, index)
+    contact.energy_dropped += elastic_energy(contact)
     if core.poisson and contact.phase == RESTITUTION:
         pay_impulse_owed(core, index)
     contact.compression = 0.0
@@ -179,16 +181,11 @@ def pay_impulse_owed(core: Core, index: int) -> None:
     """Give at once the impulse Poisson's law still asks of an empty spring; its energy becomes negative."""
     contact = core.contacts[index]
     row = index * core.rows
-    owed = contact.last_impulse - core.impulse[row]
+    owed = contact.last_impulse - contact.impulse[0]
     if owed <= EVENT_TOLERANCE:
         return
-    contact.energy_dropped -= owed * (core.velocity[row] + 0.5 * core.delassus[row, row] * owed)
-    core.impulse[row] += owed
-    for other in range(core.velocity.size):
-        core.velocity[other] += core.delassus[other, row] * owed
+    contact.energy_dropped -= owed * (contact.velocity[0] + 0.5 * core.delassus[row, row] * owed)
+    push(core, row, owed)
     if core.rows > 1 and contact.mode in (STARTING, SLIDING):
-        for tangent, direction in ((row + 1, contact.direction_1), (row + 2, contact.direction_2)):
-            drag = -contact.friction * owed * direction
-            core.impulse[tangent] += drag
-            for other in range(core.velocity.size):
-                core.velocity[other] += core.delassus[other, tangent] * drag
+        push(core, row + 1, -contact.friction * owed * contact.direction_1)
+        push(core, row + 2, -contact.friction * owed * contact.direction_2)
