@@ -14,7 +14,7 @@ from impact._checks import require_within
 from impact.collision import Collision, ConvergenceError
 from impact.contact import RestitutionLaw
 from impact.evolve import evolve
-from impact.kernel import Core, compiled, compiled_entry
+from impact.kernel import Core, compiled_entry, merged
 from impact.record import STATES, Record, Room, new_records, open_state, room_needed
 from impact.scaling import (
     MOST_STATES,
@@ -47,7 +47,7 @@ class Scene(Protocol[Outcome]):
         """Present the collision in the scene's own words."""
 
 
-@compiled
+@merged
 def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     """Run a collision from first contact to last; say how it ended."""
     idle = 0
@@ -63,7 +63,7 @@ def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     return FINISHED
 
 
-@compiled
+@merged
 def total_impulse(core: Core) -> float:
     """Sum of the normal impulses, which grows as long as anything happens."""
     total = 0.0

@@ -19,6 +19,7 @@ from impact.kernel import (
     Core,
     compiled,
     inlined,
+    merged,
     slope_at,
     value_at,
 )
@@ -34,7 +35,7 @@ MOST_PARTS = 8
 MOST_STEPS = 100_000
 
 
-@compiled
+@merged
 def evolve(core: Core, record: Record) -> bool:
     """Advance to the next event; False if that takes more than `MOST_STEPS` steps."""
     for _ in range(MOST_STEPS):
@@ -52,7 +53,7 @@ def evolve(core: Core, record: Record) -> bool:
     return False
 
 
-@compiled
+@merged
 def _fastest(core: Core) -> float:
     """Bound on the angular frequency of the oscillation of the active contacts."""
     total = 0.0
@@ -204,7 +205,7 @@ def between(left: float, right: float, at_left: float, at_right: float, iteratio
     return guess
 
 
-@compiled
+@merged
 def note_path(core: Core, record: Record, until: float, parts: int) -> None:
     """Write down samples of the path, if there is room for any."""
     if record.samples.shape[0] == 0:

@@ -129,7 +129,7 @@ def turn_directions(core: Core) -> None:
 def friction_margin(contact: Contact, time: float) -> float:
     """How far an active contact is from leaving its mode; positive while it stays."""
     if contact.mode == SLIDING:
-        return slip_along(contact, time) - STOPPED * contact.slowest
+        return float(slip_along(contact, time) - STOPPED * contact.slowest)
     if contact.mode == STICKING:
         first = value_at(contact.forces[1], time)
         second = value_at(contact.forces[2], time)

@@ -35,6 +35,11 @@ cannot call it: without wrappers for that, all of the engine compiles in two thi
 """
 inlined: Callable[[Function], Function] = njit(forceinline=True, **OPTIONS)
 """The same for a small function that is called so often that the call itself would cost most."""
+merged: Callable[[Function], Function] = njit(inline="always", **OPTIONS)
+"""The same for a function with one caller, into which it is written.
+
+Machine code is made anew for a function with all that it calls, so a chain of five costs five times the end.
+"""
 compiled_entry: Callable[[Function], Function] = njit(cache=True, error_model="numpy", nogil=True)
 """The same for a function that Python calls; it lets other threads run."""
 

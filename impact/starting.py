@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from impact.kernel import DIRECTION_1, DIRECTION_2, GROWTH, Core, acceleration, compiled
+from impact.kernel import DIRECTION_1, DIRECTION_2, GROWTH, Core, acceleration, compiled, merged
 
 
 @compiled
@@ -104,7 +104,7 @@ def _later_direction(core: Core, index: int, order: int) -> None:
     slip[GROWTH, order] = ahead_1 * (pull_1 - turn * image_1) + ahead_2 * (pull_2 - turn * image_2)
 
 
-@compiled
+@merged
 def _known_pull(core: Core, index: int, order: int) -> tuple[float, float]:
     """All of the equation's term that does not contain the unknown terms of direction and growth."""
     contact = core.contacts[index]

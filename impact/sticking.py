@@ -21,6 +21,7 @@ from impact.kernel import (
     Contact,
     Core,
     compiled,
+    merged,
 )
 from impact.starting import best_in_disc, tangential_pull
 
@@ -50,7 +51,7 @@ def choose_modes(core: Core) -> None:
     factor_held(core)
 
 
-@compiled
+@merged
 def _begin(contact: Contact) -> int:
     """Let what slips slide, and count a contact at rest as sticking for now: 1 if it is at rest."""
     if contact.friction < LEAST_FRICTION:
@@ -70,7 +71,7 @@ def _begin(contact: Contact) -> int:
     return 0
 
 
-@compiled
+@merged
 def _go_round(core: Core) -> bool:
     """Find the best force of each undecided contact, given the others; say whether any changed."""
     changed = False
@@ -88,7 +89,7 @@ def _go_round(core: Core) -> bool:
     return changed
 
 
-@compiled
+@merged
 def _decide(core: Core, index: int) -> None:
     """Let a contact whose friction is on the rim of its disc start to slide against it.
 
