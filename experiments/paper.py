@@ -6,9 +6,9 @@ programs that share no code with this one agree on them. Misprints are listed in
 """
 
 from dataclasses import dataclass
-from math import sqrt
+from math import atan, cos, hypot, sin, sqrt
 
-from impact import Ball, Contact, TwoBallDrop
+from impact import Ball, Contact, Cue, CueShot, TwoBallDrop
 
 Vector = tuple[float, float, float]
 
@@ -20,6 +20,31 @@ class Measured:
     mean: float
     sd: float
     count: int
+
+
+# Section 2.3 and Fig. 3: the ellipse (15), by the formulas of the text
+def printed_ellipse(drop: TwoBallDrop) -> dict[str, float]:
+    """Evaluate what Section 2.3 and its footnote 3 say of the bounding ellipse; angles in rad, the rest N s.
+
+    The printed centre turns out to be meant along the axes of the ellipse, which are turned by θ.
+    """
+    first, second, velocity = drop.upper.mass, drop.lower.mass, drop.approach_velocity
+    angle = atan(-2 * first / second) / 2
+    along = -velocity * cos(angle) / (cos(angle) ** 2 / first + (1 - sin(2 * angle)) / second)
+    across = velocity * sin(angle) / (sin(angle) ** 2 / first + (1 + sin(2 * angle)) / second)
+    reach = sqrt(first * second)
+    return {
+        "axis angle θ [rad]": angle,
+        "centre along the axis [N s]": along,
+        "centre across it [N s]": across,
+        "centre from the origin [N s]": hypot(along, across),
+        "right end, I1 [N s]": -2 * first * velocity,
+        "right end, I2 [N s]": -2 * first * velocity,
+        "top, I2 [N s] (footnote 3)": (-first - reach) * velocity,
+        "top, I1 [N s] (footnote 3)": -first * velocity,
+        "bottom, I2 [N s] (footnote 3)": (-first + reach) * velocity,
+        "bottom, I1 [N s] (footnote 3)": -first * velocity,
+    }
 
 
 # Section 2.3 and Fig. 4: one collision followed through its states
@@ -99,3 +124,18 @@ SHOTS = {
         angular_velocity=(-88.48, 179.8, -3.178),
     ),
 }
+SHOT_BALL = Ball(mass=SHOT_BALL_MASS, radius=SHOT_BALL_RADIUS)
+
+
+def cue_shot(shot: Shot, stiffness_ratio: float = SHOT_STIFFNESS_RATIO) -> CueShot:
+    """Set up a shot of Table 1 with its constants and a ratio k_bt/k_cb."""
+    return CueShot(
+        ball=SHOT_BALL,
+        cue=Cue(mass=SHOT_CUE_MASS),
+        normal=shot.normal,
+        cue_velocity=shot.cue_velocity,
+        tip_ball=Contact(restitution=SHOT_TIP_RESTITUTION, friction=SHOT_TIP_FRICTION),
+        ball_table=Contact(
+            restitution=SHOT_TABLE_RESTITUTION, friction=SHOT_TABLE_FRICTION, stiffness=stiffness_ratio
+        ),
+    )
