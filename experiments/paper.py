@@ -76,6 +76,13 @@ BALL_BALL = Measured(mean=0.807755, sd=0.021231, count=8)  # e1: eight heights, 
 STIFFNESS_RATIO = 10.0  # k2/k1, "guess", caption of Fig. 5
 COLLISION_TRIALS = 10  # drop heights, the trial with the highest rebounds of each
 APPROACH_VELOCITIES = (-2.0, -4.0)  # m/s, ends of the lines in Fig. 5
+FIG5_DROP = TwoBallDrop(
+    upper=Ball(mass=BALL_MASS, radius=BALL_RADIUS),
+    lower=Ball(mass=BALL_MASS, radius=BALL_RADIUS),
+    ball_ball=Contact(restitution=BALL_BALL.mean, stiffness=1.0),
+    ball_table=Contact(restitution=BALL_TABLE.mean, stiffness=STIFFNESS_RATIO),
+    approach_velocity=-1.0,  # the lines of Fig. 5 are straight (Theorem 4)
+)
 FIG5_REFERENCE_SLOPES = (0.7793977, 0.1866439)  # v1/|v0| and v2/|v0|: the lines of Fig. 5
 
 

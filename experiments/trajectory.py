@@ -113,7 +113,13 @@ def draw_stage(axes: Axes, shot: CueShot) -> None:
     low, high = axes.dataLim.get_points()
     size = float(max(*(high - low), 4.0 * radius))
     butt = tip - _STICK * size * cue[:2] / np.linalg.norm(cue)
-    axes.plot(*np.stack([tip, butt]).T, color=GREEN, linewidth=4.0, solid_capstyle="butt", label="cue, seen from above")
+    axes.plot(
+        *np.stack([tip, butt]).T,
+        color=GREEN,
+        linewidth=4.0,
+        solid_capstyle="butt",
+        label="cue, seen from above",
+    )
     axes.plot(*tip, "s", color=GREEN, markersize=5, markeredgecolor=DARK, zorder=5, label="its tip")
     axes.plot([], [], "o", color=RED, markersize=6, label="sliding turns to rolling")
     axes.set_aspect("equal", adjustable="datalim")
