@@ -148,7 +148,7 @@ def nearest(row: Row) -> str:
 
 def draw(rows: Sequence[Row]) -> Figure:
     """Draw the ways of the three shots of which the paper draws them."""
-    figure, (places,) = new_figure(11.0, 4.6, 1, 3)
+    figure, (places,) = new_figure(11.0, 4.8, 1, 3)
     for axes, letter, name in zip(places, "abc", _DRAWN, strict=True):
         row = next(row for row in rows if row.shot == name)
         energy = [result for result in row.results if result.variant.law is RestitutionLaw.ENERGY]
@@ -157,6 +157,9 @@ def draw(rows: Sequence[Row]) -> Figure:
         draw_trajectory(axes, way(row.printed), _PRINTED)
         draw_stage(axes, paper.cue_shot(paper.SHOTS[name], paper.SHOT_STIFFNESS_RATIO))
         label(axes, ("x [m]", "y [m]", f"({letter}) {title(name)}"))
+    figure.suptitle(
+        "shots of Table 1 without flight, as in the paper; of the rolling only the beginning", size=9
+    )
     handles, names = places[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False)
     return figure

@@ -8,11 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from experiments.drawing import DARK, QUIET, SEGMENTS
-from impact import Ball, Cloth, CueShot, Motion, roll
+from impact import Ball, Cloth, CueShot, Motion, Path, roll
 
 Array = npt.NDArray[np.float64]
 
 GREEN, RED = SEGMENTS[2], SEGMENTS[5]  # the paper's green and red, in shades that all can tell apart
+_DOT = "sliding turns to rolling"
 _POINTS = 60  # along each stretch
 _ROLLED_AT_LEAST = 10  # radii of rolling that are drawn
 _STICK = 0.3  # length of the cue over the size of the picture
@@ -38,13 +39,13 @@ class Trajectory:
         Stretch by stretch, m; rolling only as far as the ball had come until then, or 10 radii.
     rolling_starts : ndarray (2,) or None
         Where sliding turns to rolling, m.
-    rest : ndarray (2,)
-        Where the ball stops in the end, m.
+    path : Path
+        What it was taken from, until the ball rests.
     """
 
     legs: tuple[tuple[Motion, Array], ...]
     rolling_starts: Array | None
-    rest: Array
+    path: Path
 
 
 def trajectory(
@@ -81,8 +82,7 @@ def trajectory(
             gone = sum(_length(leg) for _, leg in legs)
             points = _first_part(points, max(gone, _ROLLED_AT_LEAST * ball.radius))
         legs.append((stretch.motion, points))
-    rest = path.position(path.duration)[0, :2] if path.stretches else np.zeros(2)
-    return Trajectory(legs=tuple(legs), rolling_starts=rolling_starts, rest=rest)
+    return Trajectory(legs=tuple(legs), rolling_starts=rolling_starts, path=path)
 
 
 def _length(points: Array) -> float:
@@ -101,7 +101,16 @@ def draw_trajectory(axes: Axes, way: Trajectory, pen: Pen) -> None:
         style = ":" if motion is Motion.FLYING else pen.style
         axes.plot(*points.T, style, color=pen.color, linewidth=pen.width, label=None if number else pen.name)
     if way.rolling_starts is not None:
-        axes.plot(*way.rolling_starts, "o", color=RED, markersize=6, markeredgecolor=pen.color, zorder=4)
+        named = _DOT in axes.get_legend_handles_labels()[1]
+        axes.plot(
+            *way.rolling_starts,
+            "o",
+            color=RED,
+            markersize=6,
+            markeredgecolor=pen.color,
+            label=None if named else _DOT,
+            zorder=4,
+        )
 
 
 def draw_stage(axes: Axes, shot: CueShot) -> None:
@@ -121,6 +130,5 @@ def draw_stage(axes: Axes, shot: CueShot) -> None:
         label="cue, seen from above",
     )
     axes.plot(*tip, "s", color=GREEN, markersize=5, markeredgecolor=DARK, zorder=5, label="its tip")
-    axes.plot([], [], "o", color=RED, markersize=6, label="sliding turns to rolling")
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
