@@ -1,9 +1,9 @@
-"""Not in the paper: outcome and states of a two-ball drop over the stiffness ratio, and where they jump."""
+"""Not in the paper: how outcome and order of states depend on the stiffness ratio, and where they jump."""
 
 import csv
 import io
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -16,146 +16,15 @@ from numpy.typing import NDArray
 from calibrate.files import write_whole
 from experiments import paper
 from experiments.drawing import LOWER, QUIET, SEGMENTS, UPPER, label, new_figure, save_both
-from impact import TwoBallDrop, collide, collide_many
+from experiments.scan import Scan, compute
 
 Array = NDArray[np.float64]
 
-RATIOS = np.geomspace(1e-3, 1e3, 1801)
-_HALVINGS = 40  # of an interval between two ratios, until its ends are next to each other
-_LEAST_JUMP = 0.002  # of a velocity over the approach speed
 _COLORS = {"S1": SEGMENTS[4], "S2": SEGMENTS[1], "S3": SEGMENTS[2]}
 _MEANING = {"S1": "S₁ both contacts active", "S2": "S₂ only ball-table", "S3": "S₃ only ball-ball"}
 _APART = 1.27  # ratio of one labelled jump to the one before
+_NAMED_FROM = 1.5  # upper over lower end of a field that is named
 _TICKS = (1, 2, 3, 4, 6, 10, 20, 30)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """A stiffness ratio k2/k1 at which the order of states changes, and the orders on either side."""
-
-    ratio: float
-    below: str
-    above: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Jump:
-    """Where the outcome jumps.
-
-    Attributes
-    ----------
-    ratio : float
-        k2/k1.
-    step : ndarray (2,)
-        By how much v1 and v2 over the approach speed change there.
-    below, above : str
-        States with their events on either side, as ``S1[C1-R1] S2[C2-R2]``.
-    """
-
-    ratio: float
-    step: Array
-    below: str
-    above: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Scan:
-    """Outcomes over the stiffness ratio.
-
-    Attributes
-    ----------
-    ratios : ndarray (N,)
-        k2/k1.
-    velocities : ndarray (N, 2)
-        v1 and v2 over the approach speed.
-    states : tuple of N str
-        Order of states.
-    changes : tuple of Change
-        Of the order of states, from low to high ratios.
-    jumps : tuple of Jump
-        From low to high ratios. Most changes are none: a state begins with length zero. And some jumps are
-        no change: only the order of events within S1 is another.
-    """
-
-    ratios: Array
-    velocities: Array
-    states: tuple[str, ...]
-    changes: tuple[Change, ...]
-    jumps: tuple[Jump, ...]
-
-
-def compute(drop: TwoBallDrop = paper.FIG5_DROP, ratios: Array = RATIOS) -> Scan:
-    """Scan the ratio; halve every interval in which the order of states changes or a velocity may jump.
-
-    Parameters
-    ----------
-    drop : TwoBallDrop
-        Whose ratio is varied.
-    ratios : ndarray (N,)
-        Rising. Two changes between neighbours that undo each other are not seen.
-
-    Raises
-    ------
-    ConvergenceError
-        If a collision does not end.
-    """
-    velocities, states = _outcomes(drop, ratios)
-    return Scan(
-        ratios=ratios,
-        velocities=velocities,
-        states=tuple(states.tolist()),
-        changes=tuple(sorted(_changes(drop, ratios, states), key=lambda change: change.ratio)),
-        jumps=tuple(_jumps(drop, ratios, velocities)),
-    )
-
-
-def _changes(drop: TwoBallDrop, ratios: Array, states: NDArray[np.str_]) -> Iterator[Change]:
-    """Find the changes in each interval of the scan one after the other, in all intervals at once."""
-    different = np.flatnonzero(states[:-1] != states[1:])
-    low, last = ratios[different], ratios[different + 1]
-    while len(low):
-        before, high = _outcomes(drop, low)[1], last
-        for _ in range(_HALVINGS):
-            middle = np.sqrt(low * high)
-            same = _outcomes(drop, middle)[1] == before
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        after = _outcomes(drop, high)[1]
-        for ratio, below, above in zip(high, before, after, strict=True):
-            yield Change(ratio=float(ratio), below=str(below), above=str(above))
-        unfinished = after != _outcomes(drop, last)[1]
-        low, last = high[unfinished], last[unfinished]
-
-
-def _jumps(drop: TwoBallDrop, ratios: Array, velocities: Array) -> Iterator[Jump]:
-    """Follow the larger part of each change of velocity; what does not shrink with the interval is a jump."""
-    pairs = np.stack([ratios[:-1], ratios[1:]], axis=1)
-    ends = np.stack([velocities[:-1], velocities[1:]], axis=1)
-    for _ in range(_HALVINGS):
-        large = np.abs(ends[:, 1] - ends[:, 0]).max(axis=1) > _LEAST_JUMP
-        pairs, ends = pairs[large], ends[large]
-        middle = np.sqrt(pairs.prod(axis=1))
-        between = _outcomes(drop, middle)[0]
-        parts = [np.abs(between - ends[:, side]).max(axis=1) for side in (0, 1)]
-        upper = parts[1] > parts[0]
-        rows = np.arange(len(pairs))
-        pairs[rows, np.where(upper, 0, 1)] = middle
-        ends[rows, np.where(upper, 0, 1)] = between
-    for (low, high), (before, after) in zip(pairs, ends, strict=True):
-        yield Jump(
-            ratio=float(high), step=after - before, below=_events(drop, low), above=_events(drop, high)
-        )
-
-
-def _events(drop: TwoBallDrop, ratio: float) -> str:
-    stiffness = ratio * drop.ball_ball.stiffness
-    collision = collide(replace(drop, ball_table=replace(drop.ball_table, stiffness=stiffness)))
-    return " ".join(f"{segment.state}[{segment.events}]" for segment in collision.segments)
-
-
-def _outcomes(drop: TwoBallDrop, ratios: Array) -> tuple[Array, NDArray[np.str_]]:
-    """Velocities over the approach speed, and the order of states, for each ratio."""
-    many = collide_many(drop, stiffness_ratio=ratios)
-    return many.velocities / -drop.approach_velocity, np.array([" ".join(states) for states in many.states])
 
 
 def draw(scan: Scan) -> Figure:
@@ -192,22 +61,37 @@ def _title() -> str:
 
 def _draw_states(axes: Axes, scan: Scan) -> None:
     """Stack the states in their order, the first at the bottom."""
-    edges = [scan.ratios[0], *(change.ratio for change in scan.changes), scan.ratios[-1]]
-    orders = [scan.states[0], *(change.above for change in scan.changes)]
-    for low, high, order in zip(edges[:-1], edges[1:], orders, strict=True):
-        for number, state in enumerate(order.split(), start=1):
+    most = max(len(states.split()) for states in scan.states)
+    for number in range(1, most + 1):
+        for state, low, high in _runs(scan, number):
             axes.fill_between([low, high], number, number + 1, color=_COLORS[state], linewidth=0.0)
-            if high > 1.9 * low and number <= 4:
+            if high > _NAMED_FROM * low and number <= 4:
                 axes.annotate(
-                    state, (np.sqrt(low * high), np.sqrt(number * (number + 1))), ha="center", va="center"
+                    state, (_middle(low, high), _middle(number, number + 1)), ha="center", va="center"
                 )
     axes.set_yscale("log")
-    axes.set_ylim(1.0, 1.0 + max(len(order.split()) for order in orders))
-    axes.set_yticks([np.sqrt(tick * (tick + 1)) for tick in _TICKS], [str(tick) for tick in _TICKS])
+    axes.set_ylim(1.0, 1.0 + most)
+    ticks = [tick for tick in _TICKS if tick <= most]
+    axes.set_yticks([_middle(tick, tick + 1) for tick in ticks], [str(tick) for tick in ticks])
     axes.yaxis.set_minor_locator(NullLocator())
     handles = [Patch(color=color, label=_MEANING[state]) for state, color in _COLORS.items()]
     axes.legend(handles=handles, loc="upper right", frameon=False)
     label(axes, ("k₂/k₁, ball-table over ball-ball stiffness", "first, second, ... state", "order of states"))
+
+
+def _runs(scan: Scan, number: int) -> Iterator[tuple[str, float, float]]:
+    """Stretches of ratios over which the state of this number in the order (from 1) is the same."""
+    edges = [scan.ratios[0], *(change.ratio for change in scan.changes), scan.ratios[-1]]
+    orders = [scan.states[0], *(change.above for change in scan.changes)]
+    pieces = zip(orders, edges[:-1], edges[1:], strict=True)
+    for state, run in groupby(pieces, key=lambda piece: "".join(piece[0].split()[number - 1 : number])):
+        parts = list(run)
+        if state:
+            yield state, parts[0][1], parts[-1][2]
+
+
+def _middle(low: float, high: float) -> float:
+    return float(np.sqrt(low * high))
 
 
 def main(out: Path) -> str:

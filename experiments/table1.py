@@ -180,10 +180,11 @@ def main(out: Path) -> str:
     rows = compute()
     save_both(draw(rows), out, "table1")
     write_whole(out / "table1.csv", _table(rows))
-    return "\n\n".join(_text(row) for row in rows)
+    return "\n\n".join(describe(row) for row in rows)
 
 
-def _text(row: Row) -> str:
+def describe(row: Row) -> str:
+    """Print a shot: the motion by each variant, its difference from the print, and which comes nearest."""
     lines = [
         f"{'Table 1, ' + title(row.shot):25}" + "".join(f"{name:>11}" for name in QUANTITIES) + "  off by"
     ]
