@@ -72,8 +72,8 @@ def struck_normal(normal: Vector | None, offset: tuple[float, float] | None, cue
             f"offset must be less than 1 radius, or the cue passes the ball, got {right:g} {above:g}"
         )
     speed = math.sqrt(sum(part**2 for part in cue_velocity))
-    if not speed > 0.0:
-        raise ValueError("cue_velocity must not be zero, got 0 0 0")
+    if not 0.0 < speed < math.inf:
+        raise ValueError(f"cue_velocity must be finite and not zero, got {list(cue_velocity)}")
     along = np.array(cue_velocity) / speed
     sideways = np.cross(along, UP)
     if np.linalg.norm(sideways) < 1e-12:

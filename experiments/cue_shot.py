@@ -1,6 +1,7 @@
 """One cue shot: what it prints, and its impulses, energies and trajectory as a figure."""
 
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -33,7 +34,7 @@ class Shot:
     outcome : ShotOutcome
         The impact.
     way : Trajectory or None
-        Of the ball afterwards; none on a table without friction, where it would slide for ever.
+        Of the ball afterwards; none where it would bounce or slide for ever.
     """
 
     shot: CueShot
@@ -51,12 +52,18 @@ def compute(shot: CueShot, law: RestitutionLaw = RestitutionLaw.ENERGY) -> Shot:
         If the collision does not end.
     """
     outcome = collide(shot, law=law)
+    return Shot(shot=shot, law=law, outcome=outcome, way=_way(shot, outcome))
+
+
+def _way(shot: CueShot, outcome: ShotOutcome) -> Trajectory | None:
+    """Follow the ball on the table of the shot, if it ever comes to rest there."""
     table = shot.ball_table
-    way = None
-    if table.friction > 0.0:
-        cloth = Cloth(friction=table.friction, restitution=table.restitution)
-        way = trajectory(shot.ball, outcome.velocity, outcome.angular_velocity, cloth)
-    return Shot(shot=shot, law=law, outcome=outcome, way=way)
+    if table.friction == 0.0:
+        return None
+    cloth = Cloth(friction=table.friction, restitution=table.restitution)
+    if table.restitution == 1.0 and outcome.velocity[2] > cloth.smallest_bounce:
+        return None
+    return trajectory(shot.ball, outcome.velocity, outcome.angular_velocity, cloth)
 
 
 def describe(done: Shot) -> str:
@@ -89,11 +96,14 @@ def _vector(vector: Array) -> str:
 
 def _way_lines(way: Trajectory | None) -> list[str]:
     if way is None:
-        return ["then the ball slides for ever: the table has no friction"]
+        return ["then the ball never comes to rest: on such a table it bounces or slides for ever"]
     lines = []
-    for stretch in way.path.stretches:
-        x, y, _ = way.path.position(stretch.end)[0]
-        lines.append(f"then {stretch.motion.value} until {stretch.end:.4g} s, to ({x:.4g}, {y:.4g}) m")
+    for motion, run in groupby(way.path.stretches, key=lambda stretch: stretch.motion):
+        stretches = list(run)
+        end = stretches[-1].end
+        x, y, _ = stretches[-1].state_at(end)[0]
+        bounces = f" with {len(stretches) - 1} bounces" if len(stretches) > 1 else ""
+        lines.append(f"then {motion.value}{bounces} until {end:.4g} s, to ({x:.4g}, {y:.4g}) m")
     return lines
 
 

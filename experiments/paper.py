@@ -40,9 +40,9 @@ def printed_ellipse(drop: TwoBallDrop) -> dict[str, float]:
         "centre from the origin [N s]": hypot(along, across),
         "right end, I1 [N s]": -2 * first * velocity,
         "right end, I2 [N s]": -2 * first * velocity,
-        "top, I2 [N s] (footnote 3)": (-first - reach) * velocity,
+        "top, I2 [N s] (footnote 3)": (first + reach) * -velocity,
         "top, I1 [N s] (footnote 3)": -first * velocity,
-        "bottom, I2 [N s] (footnote 3)": (-first + reach) * velocity,
+        "bottom, I2 [N s] (footnote 3)": (first - reach) * -velocity,
         "bottom, I1 [N s] (footnote 3)": -first * velocity,
     }
 

@@ -105,8 +105,9 @@ def main(out: Path) -> str:
 def _text(scan: Scan) -> str:
     lines = [f"{'jumps at k2/k1':>14} {'v1/|v0|':>9} {'v2/|v0|':>9}  states and events"]
     for jump in scan.jumps:
+        first, second = jump.step.round(4) + 0.0  # no minus before nothing
         lines += [
-            f"{jump.ratio:14.7g} {jump.step[0]:>+9.4f} {jump.step[1]:>+9.4f}  below: {jump.below}",
+            f"{jump.ratio:14.7g} {first:>+9.4f} {second:>+9.4f}  below: {jump.below}",
             f"{'':34}  above: {jump.above}",
         ]
     return "\n".join(lines)

@@ -1,6 +1,7 @@
 """The way of a ball after a shot, seen from above, with the cue that struck it."""
 
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
@@ -8,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from experiments.drawing import DARK, QUIET, SEGMENTS
-from impact import Ball, Cloth, CueShot, Motion, Path, roll
+from impact import Ball, Cloth, CueShot, Motion, Path, Stretch, roll
 
 Array = npt.NDArray[np.float64]
 
 GREEN, RED = SEGMENTS[2], SEGMENTS[5]  # the paper's green and red, in shades that all can tell apart
 _DOT = "sliding turns to rolling"
-_POINTS = 60  # along each stretch
+_POINTS = 60  # along a slide
 _ROLLED_AT_LEAST = 10  # radii of rolling that are drawn
 _STICK = 0.3  # length of the cue over the size of the picture
 
@@ -36,7 +37,8 @@ class Trajectory:
     Attributes
     ----------
     legs : tuple of (Motion, ndarray (N, 2))
-        Stretch by stretch, m; rolling only as far as the ball had come until then, or 10 radii.
+        In order, m; flights and bounces as one, rolling only as far as the ball had come until then (or 10
+        radii).
     rolling_starts : ndarray (2,) or None
         Where sliding turns to rolling, m.
     path : Path
@@ -72,17 +74,22 @@ def trajectory(
     path = roll(ball, velocity, angular_velocity, cloth)
     legs: list[tuple[Motion, Array]] = []
     rolling_starts = None
-    for stretch in path.stretches:
-        if stretch.motion is Motion.SPINNING:
-            continue
-        times = np.linspace(stretch.start, stretch.end, _POINTS)
-        points = path.position(times)[:, :2]
-        if stretch.motion is Motion.ROLLING:
+    for motion, run in groupby(path.stretches, key=lambda stretch: stretch.motion):
+        points = np.concatenate([_points(stretch) for stretch in run])
+        if motion is Motion.ROLLING:
             rolling_starts = points[0]
             gone = sum(_length(leg) for _, leg in legs)
             points = _first_part(points, max(gone, _ROLLED_AT_LEAST * ball.radius))
-        legs.append((stretch.motion, points))
+        if motion is not Motion.SPINNING:
+            legs.append((motion, points))
     return Trajectory(legs=tuple(legs), rolling_starts=rolling_starts, path=path)
+
+
+def _points(stretch: Stretch) -> Array:
+    """Places along a stretch; seen from above only sliding goes in a curve."""
+    count = _POINTS if stretch.motion is Motion.SLIDING else 2
+    times = np.linspace(stretch.start, stretch.end, count)
+    return np.array([stretch.state_at(float(time))[0][:2] for time in times])
 
 
 def _length(points: Array) -> float:

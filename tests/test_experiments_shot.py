@@ -64,7 +64,7 @@ def test_every_constant_of_the_shot_can_be_set() -> None:
         (("--speed", 1, "--cue-velocity", 1, 0, 0), "give either"),
         (("--speed", -1), "speed must be positive, got -1"),
         (("--elevation", 91), "elevation must be within [-90, 90] degrees, got 91"),
-        (("--cue-velocity", 0, 0, 0), "cue_velocity must not be zero"),
+        (("--cue-velocity", 0, 0, 0), "cue_velocity must be finite and not zero"),
         (("--tip-restitution", 1.2), "restitution must be within [0, 1], got 1.2"),
         (("--plot", "shot.doc"), "ending in .svg, .png or .pdf"),
     ],
@@ -96,10 +96,17 @@ def test_a_low_level_shot_draws_and_a_high_one_follows() -> None:
     assert low[1] < 0.0 < high[1]
 
 
-def test_a_table_without_friction_has_no_trajectory() -> None:
-    result = simulate_shot("--table-friction", 0)
-    assert "the table has no friction" in result.stdout
+@pytest.mark.parametrize("table", [("--table-friction", 0), ("--table-restitution", 1)])
+def test_a_ball_that_never_rests_has_no_trajectory(table: tuple[str, int]) -> None:
+    result = simulate_shot(*VERTICAL, *table)
+    assert "never comes to rest" in result.stdout
     assert result.exit_code == 0
+
+
+def test_help_shows_an_example_that_runs() -> None:
+    example = simulate_shot("--help").stdout.strip().splitlines()[-1]
+    assert example.strip().startswith("Example: impactlab simulate shot")
+    assert simulate_shot(*example.split()[4:]).exit_code == 0
 
 
 @pytest.mark.parametrize("kind", ["svg", "png"])
