@@ -1,6 +1,7 @@
 """Fig. 3, Table 1 and the scan of states: what they show is what the engine says, beside the print."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +24,13 @@ def differences(drop: TwoBallDrop) -> dict[str, float]:
     return {row.quantity: row.difference for row in fig3.compare(fig3.compute(drop), drop)}
 
 
+@cache
+def rows() -> tuple[table1.Row, ...]:
+    return tuple(table1.compute())
+
+
 def row(shot: str) -> table1.Row:
-    return next(row for row in table1.compute() if row.shot == shot)
+    return next(row for row in rows() if row.shot == shot)
 
 
 def result(shot: str, law: RestitutionLaw, ratio: float) -> table1.Result:
@@ -172,7 +178,7 @@ def test_the_table_of_table_1_sets_all_variants_beside_the_print(written: Path) 
 
 
 def test_the_text_of_table_1_names_every_shot_and_variant() -> None:
-    text = "\n".join(map(table1.describe, table1.compute()))
+    text = "\n".join(map(table1.describe, rows()))
     for words in ("vertical", "horizontal", "jump", "massé", "energy, k_bt/k_cb", "Poisson, k_cb/k_bt"):
         assert words in text
 
