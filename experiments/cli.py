@@ -1,12 +1,14 @@
 """`impactlab`: thin verbs over the rooms. Each imports what it needs when it runs: help comes at once."""
 
-import functools
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ParamSpec
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from experiments.simulate import simulate
+from experiments.verbs import SOME_FAILED, verb
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -14,9 +16,6 @@ if TYPE_CHECKING:
     from calibrate.estimate import Calibration
     from experiments.trial import Trial
 
-Parameters = ParamSpec("Parameters")
-
-SOME_FAILED, WRONG_USE = 1, 2
 app = typer.Typer(
     help="Film simultaneous collisions, measure them, and fit the impact model to them.",
     no_args_is_help=True,
@@ -24,35 +23,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-simulate = typer.Typer(help="Run one collision from numbers on the command line.", no_args_is_help=True)
 app.add_typer(simulate, name="simulate")
 
-FIGURES = ("fig4", "fig5")
+FIGURES = ("fig3", "fig4", "fig5", "table1", "states")
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
 Out = Annotated[Path, typer.Option(help="Folder to write to; made when missing.")]
-
-
-def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
-    """Turn what a user can put right into one sentence on stderr and exit code 2."""
-
-    @functools.wraps(function)
-    def guarded(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
-        try:
-            function(*args, **kwargs)
-        except typer.Exit:
-            raise
-        except OSError as error:
-            fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
-        except (ValueError, RuntimeError) as error:
-            fail(str(error))
-
-    return guarded
-
-
-def fail(sentence: str) -> None:
-    """Say what is wrong and end with the exit code for wrong use."""
-    typer.echo(f"impactlab: {sentence}", err=True)
-    raise typer.Exit(WRONG_USE)
 
 
 @app.command(epilog="Example: impactlab demo --out demo")
@@ -148,46 +123,14 @@ def figures(
     ] = None,
     out: Out = Path("figures"),
 ) -> None:
-    """Recreate the paper's figures and tables; print ours, printed, difference."""
+    """Recreate the paper's figures and tables; print ours, printed, difference. `states` is our own."""
     import importlib
 
     for name in names or FIGURES:
         if name not in FIGURES:
             raise ValueError(f"figure must be one of {', '.join(FIGURES)}, got {name!r}")
-        typer.echo(importlib.import_module(f"experiments.{name}").main(out))
-
-
-@simulate.command(epilog="Example: impactlab simulate drop --stiffness-ratio 10 --approach-velocity -3")
-@verb
-def drop(
-    stiffness_ratio: Annotated[float, typer.Option(help="Ball-table over ball-ball, k2/k1.")] = 10.0,
-    ball_ball: Annotated[float, typer.Option(help="Ball-ball restitution.")] = 0.81,
-    ball_table: Annotated[float, typer.Option(help="Ball-table restitution.")] = 0.85,
-    upper_mass: Annotated[float, typer.Option(help="kg")] = 0.0027,
-    lower_mass: Annotated[float, typer.Option(help="kg")] = 0.0027,
-    approach_velocity: Annotated[float, typer.Option(help="m/s, up positive.")] = -3.0,
-    exponent: Annotated[float, typer.Option(help="Of the force law: 1 linear, 1.5 Hertz.")] = 1.0,
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw impulse curve and energies: FILE.svg or .png.")
-    ] = None,
-) -> None:
-    """Drop a ball on a ball that rests on a table: states, impulses, velocities."""
-    from experiments.drawing import save_figure
-    from experiments.fig4 import compute, describe, draw
-    from impact import Ball, Contact, TwoBallDrop
-
-    curve = compute(
-        TwoBallDrop(
-            upper=Ball(mass=upper_mass, radius=0.020),
-            lower=Ball(mass=lower_mass, radius=0.020),
-            ball_ball=Contact(restitution=ball_ball, stiffness=1.0, exponent=exponent),
-            ball_table=Contact(restitution=ball_table, stiffness=stiffness_ratio, exponent=exponent),
-            approach_velocity=approach_velocity,
-        )
-    )
-    typer.echo(describe(curve))
-    if plot:
-        save_figure(draw(curve), plot)
+    for name in names or FIGURES:
+        typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 
 
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool) -> int:

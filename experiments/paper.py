@@ -6,9 +6,9 @@ programs that share no code with this one agree on them. Misprints are listed in
 """
 
 from dataclasses import dataclass
-from math import sqrt
+from math import atan, cos, hypot, sin, sqrt
 
-from impact import Ball, Contact, TwoBallDrop
+from impact import Ball, Contact, Cue, CueShot, TwoBallDrop
 
 Vector = tuple[float, float, float]
 
@@ -20,6 +20,31 @@ class Measured:
     mean: float
     sd: float
     count: int
+
+
+# Section 2.3 and Fig. 3: the ellipse (15), by the formulas of the text
+def printed_ellipse(drop: TwoBallDrop) -> dict[str, float]:
+    """Evaluate what Section 2.3 and its footnote 3 say of the bounding ellipse; angles in rad, the rest N s.
+
+    The printed centre turns out to be meant along the axes of the ellipse, which are turned by θ.
+    """
+    first, second, velocity = drop.upper.mass, drop.lower.mass, drop.approach_velocity
+    angle = atan(-2 * first / second) / 2
+    along = -velocity * cos(angle) / (cos(angle) ** 2 / first + (1 - sin(2 * angle)) / second)
+    across = velocity * sin(angle) / (sin(angle) ** 2 / first + (1 + sin(2 * angle)) / second)
+    reach = sqrt(first * second)
+    return {
+        "axis angle θ [rad]": angle,
+        "centre along the axis [N s]": along,
+        "centre across it [N s]": across,
+        "centre from the origin [N s]": hypot(along, across),
+        "right end, I1 [N s]": -2 * first * velocity,
+        "right end, I2 [N s]": -2 * first * velocity,
+        "top, I2 [N s] (footnote 3)": (first + reach) * -velocity,
+        "top, I1 [N s] (footnote 3)": -first * velocity,
+        "bottom, I2 [N s] (footnote 3)": (first - reach) * -velocity,
+        "bottom, I1 [N s] (footnote 3)": -first * velocity,
+    }
 
 
 # Section 2.3 and Fig. 4: one collision followed through its states
@@ -51,6 +76,13 @@ BALL_BALL = Measured(mean=0.807755, sd=0.021231, count=8)  # e1: eight heights, 
 STIFFNESS_RATIO = 10.0  # k2/k1, "guess", caption of Fig. 5
 COLLISION_TRIALS = 10  # drop heights, the trial with the highest rebounds of each
 APPROACH_VELOCITIES = (-2.0, -4.0)  # m/s, ends of the lines in Fig. 5
+FIG5_DROP = TwoBallDrop(
+    upper=Ball(mass=BALL_MASS, radius=BALL_RADIUS),
+    lower=Ball(mass=BALL_MASS, radius=BALL_RADIUS),
+    ball_ball=Contact(restitution=BALL_BALL.mean, stiffness=1.0),
+    ball_table=Contact(restitution=BALL_TABLE.mean, stiffness=STIFFNESS_RATIO),
+    approach_velocity=-1.0,  # the lines of Fig. 5 are straight (Theorem 4)
+)
 FIG5_REFERENCE_SLOPES = (0.7793977, 0.1866439)  # v1/|v0| and v2/|v0|: the lines of Fig. 5
 
 
@@ -99,3 +131,18 @@ SHOTS = {
         angular_velocity=(-88.48, 179.8, -3.178),
     ),
 }
+SHOT_BALL = Ball(mass=SHOT_BALL_MASS, radius=SHOT_BALL_RADIUS)
+
+
+def cue_shot(shot: Shot, stiffness_ratio: float = SHOT_STIFFNESS_RATIO) -> CueShot:
+    """Set up a shot of Table 1 with its constants and a ratio k_bt/k_cb."""
+    return CueShot(
+        ball=SHOT_BALL,
+        cue=Cue(mass=SHOT_CUE_MASS),
+        normal=shot.normal,
+        cue_velocity=shot.cue_velocity,
+        tip_ball=Contact(restitution=SHOT_TIP_RESTITUTION, friction=SHOT_TIP_FRICTION),
+        ball_table=Contact(
+            restitution=SHOT_TABLE_RESTITUTION, friction=SHOT_TABLE_FRICTION, stiffness=stiffness_ratio
+        ),
+    )
