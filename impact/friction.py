@@ -110,19 +110,25 @@ def slip_along(contact: Contact, time: float) -> float:
 
 
 @compiled
-def turn_directions(core: Core) -> None:
-    """Note the present direction of every slide; one that had just started is now a slide like any other."""
+def turn_directions(core: Core) -> bool:
+    """Note the present direction of every slide; one that had just started is now a slide like any other.
+
+    False if a slide that started is too slow for that: it may have stopped at once, so it must be looked at
+    again.
+    """
+    all_slide = True
     for index in range(core.contacts.size):
         contact = core.contacts[index]
+        if contact.phase == INACTIVE or contact.mode not in (STARTING, SLIDING):
+            continue
         slip = math.hypot(contact.velocity[1], contact.velocity[2])
-        if (
-            contact.phase != INACTIVE
-            and contact.mode in (STARTING, SLIDING)
-            and slip > STOPPED * contact.slowest
-        ):
+        if slip > STOPPED * contact.slowest:
             contact.mode = SLIDING
             contact.direction_1 = contact.velocity[1] / slip
             contact.direction_2 = contact.velocity[2] / slip
+        elif contact.mode == STARTING:
+            all_slide = False
+    return all_slide
 
 
 @compiled
