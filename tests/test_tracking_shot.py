@@ -46,7 +46,14 @@ def seen_from_above(
         radius=RADIUS,
         radius_sd=1e-5,
     )
-    return ShotTrack(ball=ball, tip=None, missing_tip="no cue", lift=np.zeros(len(time)), perspective=0.0)
+    return ShotTrack(
+        ball=ball,
+        tip=None,
+        missing_tip="no cue",
+        lift=np.zeros(len(time)),
+        expected_radius=np.full(len(time), RADIUS),
+        perspective=0.0,
+    )
 
 
 def struck(velocity: tuple[float, float], spin: tuple[float, float]) -> Callable[[Places], Places]:

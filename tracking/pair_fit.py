@@ -76,12 +76,16 @@ class Encounter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EncounterFit:
-    """Fitted parameters, their covariance (0 where held), root mean square distance, frames used."""
+    """Fitted parameters, their covariance (0 where held), root mean square distance, frames used.
+
+    `paths` are the fitted legs: (n, 3) arrays of time and place (t, x, y).
+    """
 
     parameters: FloatArray
     covariance: FloatArray
     residual: float
     frames: int
+    paths: tuple[FloatArray, ...]
 
 
 def fit_encounter(encounter: Encounter, start: FloatArray) -> EncounterFit:
@@ -102,6 +106,7 @@ def fit_encounter(encounter: Encounter, start: FloatArray) -> EncounterFit:
         covariance=covariance,
         residual=float(np.sqrt(np.mean(np.sum(apart**2, axis=1)))),
         frames=encounter.frames,
+        paths=tuple(np.column_stack((leg.time, _path(leg, parameters))) for leg in encounter.legs),
     )
 
 

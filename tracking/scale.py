@@ -143,6 +143,12 @@ def apply(scale: Scale, x: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
     return u / w, v / w
 
 
+def to_pixels(scale: Scale, places: FloatArray) -> FloatArray:
+    """Map points (n, 2) from metres back to pixels of the picture, y down."""
+    back = replace(scale, matrix=np.linalg.inv(scale.matrix))
+    return np.column_stack(apply(back, places[:, 0], places[:, 1]))
+
+
 def local_scale(scale: Scale, x: FloatArray, y: FloatArray) -> FloatArray:
     """Metres per pixel at points of the picture: the root of the area magnification."""
     w = scale.matrix[2] @ np.vstack((x, y, np.ones_like(x)))

@@ -1,0 +1,101 @@
+"""The recording again with everything drawn on it: a film that a browser plays, and its contact sheet.
+
+Frames are decoded, drawn and encoded one at a time. Text stands on a strip of its own below the picture.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from tracking.contact_sheet import arrange, choose_frames, panel_of
+from tracking.encode import write_video
+from tracking.overlay import Overlay, Scene
+from tracking.overlay_marks import (
+    Brush,
+    add_strip,
+    draw_circle,
+    draw_curve,
+    draw_moment,
+    draw_trail,
+    enlarged,
+)
+from tracking.video import Frame, Image, Recording, read_frames
+
+FASTEST_PLAY = 30.0  # pictures a second: faster recordings play in slow motion
+LONGEST_TRAIL = 240  # sightings
+FLASH_FRAMES = 1.5  # on each side of a moment, in which its place is ringed
+QUALITY = 23  # constant rate factor: an overlay is looked at, not measured
+
+
+def write_overlay(recording: Recording, overlay: Overlay, path: Path) -> Image | None:
+    """Write the film to an MP4 file and give its contact sheet.
+
+    Parameters
+    ----------
+    recording : as `open_recording` gives it
+    overlay : Overlay
+        In pixels of that recording.
+    path : Path
+        Of the film: one picture for each genuine frame, in slow motion if they were captured faster than
+        `FASTEST_PLAY`.
+
+    Returns
+    -------
+    image or None
+        Frames around the first impacts; None if nothing was seen.
+    """
+    panels: list[Image] = []
+    pictures = _film(recording, overlay, panels)
+    write_video(path, pictures, min(recording.capture_fps, FASTEST_PLAY), crf=QUALITY, index_first=True)
+    return arrange(panels)
+
+
+def as_png(picture: Image) -> bytes:
+    """Encode a picture as PNG."""
+    return bytes(cv2.imencode(".png", picture)[1])
+
+
+def _film(recording: Recording, overlay: Overlay, panels: list[Image]) -> Iterator[Image]:
+    """Draw every frame; put those of the contact sheet into `panels` on the way."""
+    brush = Brush.for_picture(recording.samples[0].shape)
+    last = recording.genuine.size, float(recording.times[-1])
+    texts = [_stamp(*last), *(line for scene in overlay.scenes for line in scene.lines)]
+    room = 1 + max(len(scene.lines) for scene in overlay.scenes), texts
+    chosen = choose_frames(recording, overlay)
+    flash = FLASH_FRAMES / recording.capture_fps
+    for frame in read_frames(recording):
+        scene, stamp = overlay.scene_at(frame.time), _stamp(frame.index, frame.time)
+        picture = _drawn(frame, overlay, brush)
+        _draw_moments(picture, scene, frame.time, brush, flash)
+        if frame.index in chosen:
+            panels.append(panel_of(picture, chosen[frame.index], brush, stamp))
+        yield add_strip(picture, (stamp, *scene.lines), brush, room)
+
+
+def _stamp(index: int, time: float) -> str:
+    """Give number and time of a frame as text."""
+    return f"frame {index}   t = {time:.4f} s"
+
+
+def _drawn(frame: Frame, overlay: Overlay, brush: Brush) -> Image:
+    """Draw trails, fitted paths and outlines on a picture, larger if it is small."""
+    picture = enlarged(frame.image, brush)
+    for number, outline in enumerate(overlay.outlines):
+        past = outline.centre[outline.frame <= frame.index][-LONGEST_TRAIL:]
+        draw_trail(picture, past, number, brush)
+    for curve in overlay.scene_at(frame.time).curves:
+        draw_curve(picture, curve, brush)
+    for number, outline in enumerate(overlay.outlines):
+        for seen in np.flatnonzero(outline.frame == frame.index):
+            draw_circle(picture, outline.centre[seen], float(outline.radius[seen]), number, brush)
+    return picture
+
+
+def _draw_moments(picture: Image, scene: Scene, time: float, brush: Brush, flash: float) -> None:
+    """Mark the places of moments from then on, with a ring while they happen."""
+    for moment in scene.moments:
+        if time >= moment.time - flash:
+            ringed = abs(time - moment.time) <= flash
+            draw_moment(picture, moment.place, moment.words, brush, ringed=ringed)
