@@ -86,7 +86,7 @@ def _polar(row: Row, name: str) -> tuple[str, str]:
 
 
 def _per_second(row: Row) -> str:
-    """Unit of the velocities."""
+    """Give the unit of the velocities."""
     return f"{row['unit']}/s" if "unit" in row else ""
 
 

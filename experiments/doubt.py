@@ -44,13 +44,13 @@ def find_doubt(impact: Impact, capture_fps: float) -> str:
 
 
 def find_shot_doubt(shot: Shot) -> str:
-    """Say that a shot is known too vaguely and what helps; empty if it is not. `Shot.doubts` tells the rest."""
+    """Say that a shot is known too vaguely and what helps; empty if not. `Shot.doubts` tells the rest."""
     speed, vague = float(np.hypot(*shot.velocity)), float(np.max(shot.velocity_sd))
     if vague <= VAGUE * speed:
         return ""
     return (
-        f"the velocity is known to ± {vague / speed:.0%} only; film the ball larger and sharper, and show more "
-        "of its way"
+        f"the velocity is known to ± {vague / speed:.0%} only; film the ball larger and sharper, and show "
+        "more of its way"
     )
 
 
@@ -63,8 +63,8 @@ def find_pair_doubt(impact: PairImpact) -> str:
         )
     if not impact.restitution_sd <= VAGUE:
         return (
-            f"the restitution is known to ± {impact.restitution_sd:.2g} only; record more frames a second, and "
-            "more of the way before and after the impact"
+            f"the restitution is known to ± {impact.restitution_sd:.2g} only; record more frames a second, "
+            "and more of the way before and after the impact"
         )
     gap, sd = np.abs(impact.momentum_gap), impact.momentum_gap_sd
     if np.any(gap > np.maximum(MOMENTUM_TOLERANCE, 3 * sd)):

@@ -1,18 +1,20 @@
 """Drops on the plate, on a held ball, on a ball at rest: recording → rows of the trial table."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from experiments.doubt import find_doubt
-from experiments.measured import DROP_VELOCITIES, Measured, cells, empty_row, judgement
+from experiments.measured import DROP_VELOCITIES, Measured, cells, empty_row, judgement, only_seen
 from experiments.scales import told_scale
 from experiments.trial import Body, Trial
 from tracking.errors import RecordingError
 from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball, position
-from tracking.overlay import Moment, Overlay, Scene, outline_of
+from tracking.overlay import Moment, Scene, outline_of
 from tracking.scale import Scale, local_scale, scale_from_ball, to_metres, to_pixels
 from tracking.shutter import with_row_times
 from tracking.track import Track, track_balls
@@ -30,7 +32,7 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     tracks = track_balls(
         recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
     )
-    measured.overlay = Overlay(outlines=tuple(map(outline_of, tracks)))
+    measured.overlay = only_seen(*map(outline_of, tracks))
     scale = given or scale_from_ball(tracks[0], upper.diameter or 0.0)
     if given is None:
         measured.remarks.append(f"scale: {scale.source}")
@@ -42,7 +44,7 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     impacts = _impacts(trial, measured.tracks, flights)
     measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
     scenes = _scenes(impacts, measured.tracks, flights, scale)
-    measured.overlay = Overlay(outlines=measured.overlay.outlines, scenes=scenes)
+    measured.overlay = replace(measured.overlay, scenes=scenes)
 
 
 def _given_scale(trial: Trial) -> Scale | None:
@@ -120,9 +122,9 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
 def _scenes(
     impacts: Sequence[Impact], tracks: Sequence[Track], flights: Sequence[Flight], scale: Scale
 ) -> tuple[Scene, ...]:
-    """What the overlay tells: one scene an impact, changing midway between two."""
+    """Tell the overlay one scene an impact, changing midway between two."""
     times = [impact.time for impact in impacts]
-    starts = [-np.inf, *((before + after) / 2 for before, after in zip(times, times[1:], strict=False))]
+    starts = [-np.inf, *((before + after) / 2 for before, after in pairwise(times))]
     return tuple(
         Scene(
             since=start,
@@ -138,11 +140,11 @@ def _lines(impact: Impact) -> list[str]:
     """Velocities in words."""
     names = ("before", "after", "lower ball after")
     told = zip(names, impact.velocities, impact.sd, strict=True)
-    return [f"{name} {value:.3f} +/- {sd:.3f} m/s" for name, value, sd in told if np.isfinite(value)]
+    return [f"{name} {value:.4f} +/- {sd:.4f} m/s" for name, value, sd in told if np.isfinite(value)]
 
 
 def _moment(impact: Impact, upper: Track, scale: Scale, number: int) -> Moment:
-    """The impact, where the falling ball touches what is below."""
+    """Mark the impact where the falling ball touches what is below."""
     x = float(np.interp(impact.time, upper.time, upper.x))
     place = to_pixels(scale, np.array([[x, impact.height - upper.radius]]))[0]
     return Moment(time=impact.time, place=place, words=f"impact {number}")

@@ -165,8 +165,8 @@ def _bare(video: Path, kind: str | None, bodies: Mapping[str, Body], camera: Cam
     if kind is None:
         raise ExperimentError(
             f"{video.name}: say what it shows with --kind: plate (a ball on the plate), "
-            "held (on a ball held still), two (on a ball at rest), shot (a cue ball struck), pair (two discs or "
-            "balls that meet)"
+            "held (on a ball held still), two (on a ball at rest), shot (a cue ball struck), "
+            "pair (two discs or balls that meet)"
         )
     try:
         return Trial(name=video.stem, video=video, kind=kind, bodies=bodies, camera=camera)

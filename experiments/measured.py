@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from experiments.trial import Trial
-from tracking.overlay import Overlay
+from tracking.overlay import Outline, Overlay, Scene
 from tracking.track import Track
 from tracking.video import Recording
 
@@ -38,6 +38,11 @@ class Measured:
     remarks: list[str] = field(default_factory=list)
     overlay: Overlay | None = None
     recording: Recording | None = None
+
+
+def only_seen(*outlines: Outline) -> Overlay:
+    """Give the overlay of what is seen but not measured yet: all there is to draw if measuring fails."""
+    return Overlay(outlines=outlines, scenes=(Scene(lines=("no impact measured",)),))
 
 
 def empty_row(trial: Trial) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Overlays as files: NAME.mp4, a film with what was found drawn on it, and NAME.png, its impacts at a glance."""
+"""Overlays as files: a film with what was found drawn on it, and a sheet of its impacts."""
 
 from pathlib import Path
 

@@ -1,14 +1,15 @@
 """Two discs or balls that meet in free motion: recording → one row of the trial table."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from experiments.doubt import find_pair_doubt
-from experiments.measured import Measured, cells, empty_row, judgement
+from experiments.measured import Measured, cells, empty_row, judgement, only_seen
 from experiments.scales import PIXELS, told_scale
 from experiments.trial import Trial
-from tracking.overlay import Moment, Overlay, Scene, outline_of
+from tracking.overlay import Moment, Scene, outline_of
 from tracking.pair import PairTrack, pair_to_metres, track_pair
 from tracking.pair_impact import PairImpact, measure_pair
 from tracking.scale import Scale, scale_from_ball, to_pixels
@@ -22,8 +23,7 @@ def measure_pair_trial(measured: Measured, recording: Recording) -> None:
     """Track, scale and fit the recording of two discs that meet."""
     trial = measured.trial
     found = track_pair(recording)
-    outlines = (outline_of(found.striker), outline_of(found.struck))
-    measured.overlay = Overlay(outlines=outlines)
+    measured.overlay = only_seen(outline_of(found.striker), outline_of(found.struck))
     readout = trial.camera.readout
     seen = PairTrack(
         striker=with_row_times(found.striker, recording, readout),
@@ -35,7 +35,7 @@ def measure_pair_trial(measured: Measured, recording: Recording) -> None:
     impact = measure_pair(scaled, masses=_masses(measured))
     measured.rows = [_row(trial, impact, scaled.striker.unit, 0.0 if scale is None else scale.relative_sd)]
     scene = _scene(impact, scaled, scale or PIXELS)
-    measured.overlay = Overlay(outlines=outlines, scenes=(scene,))
+    measured.overlay = replace(measured.overlay, scenes=(scene,))
 
 
 def _scale(measured: Measured, seen: PairTrack) -> Scale | None:
@@ -89,7 +89,7 @@ def _row(trial: Trial, impact: PairImpact, unit: str, scale_sd: float) -> dict[s
 
 
 def _scene(impact: PairImpact, scaled: PairTrack, scale: Scale) -> Scene:
-    """What the overlay tells: the fitted paths, the impact where the discs touch."""
+    """Tell the overlay the fitted paths, and the impact where the discs touch."""
     share = scaled.striker.radius / (scaled.striker.radius + scaled.struck.radius)
     touching = impact.places[0] + share * (impact.places[1] - impact.places[0])
     ends = np.repeat(impact.places, 2, axis=0)  # a disc's paths before and after end in its place
@@ -107,7 +107,7 @@ def _scene(impact: PairImpact, scaled: PairTrack, scale: Scale) -> Scene:
 
 def _lines(impact: PairImpact, unit: str) -> list[str]:
     """Results in words."""
-    places = 3 if unit == "m" else 0
+    places = 4 if unit == "m" else 0
     named = {name: ", ".join(f"{v:.{places}f}" for v in getattr(impact, name)) for name in VELOCITIES}
     return [
         f"impact at {impact.time:.4f} s",

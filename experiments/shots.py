@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from experiments.doubt import find_shot_doubt
-from experiments.measured import Measured, cells, empty_row, judgement
+from experiments.measured import Measured, cells, empty_row, judgement, only_seen
 from experiments.scales import PIXELS, told_scale
 from experiments.trial import Trial
 from tracking.cue_tip import CueTip
-from tracking.overlay import Moment, Overlay, Scene, outline_of
+from tracking.overlay import Moment, Scene, outline_of
 from tracking.scale import Scale, scale_from_ball, to_pixels
 from tracking.shot import PERSPECTIVE, Shot, measure_shot
 from tracking.shutter import with_row_times
@@ -30,8 +30,7 @@ def measure_shot_trial(measured: Measured, recording: Recording) -> None:
     trial = measured.trial
     seen = _with_row_times(track_shot(recording, start_px=trial.start_px), recording, trial.camera.readout)
     tips = () if seen.tip is None else (outline_of(seen.tip),)
-    outlines = (outline_of(seen.ball, seen.expected_radius), *tips)
-    measured.overlay = Overlay(outlines=outlines)
+    measured.overlay = only_seen(outline_of(seen.ball, seen.expected_radius), *tips)
     scale, no_scale = _scale(trial, seen)
     scaled = seen if scale is None else shot_to_metres(seen, scale)
     measured.tracks = [track for track in (scaled.ball, scaled.tip) if track is not None]
@@ -39,10 +38,14 @@ def measure_shot_trial(measured: Measured, recording: Recording) -> None:
         measured.remarks.append(f"scale: {scale.source}")
     radius = _radius(measured, scaled)
     shot = measure_shot(scaled, radius, scale_sd=0.0 if scale is None else scale.relative_sd)
+    if np.isfinite(shot.meeting_time):
+        measured.remarks.append(
+            f"the ball meets another ball or a cushion at {shot.meeting_time:.3f} s; the fit ends there"
+        )
     measured.remarks += [note for note in shot.notes if note not in shot.doubts]
     reasons = [no_scale, _wrong_size(trial, seen, scaled, radius), *shot.doubts, find_shot_doubt(shot)]
     measured.rows = [_row(trial, shot, "; ".join(filter(None, reasons)))]
-    measured.overlay = Overlay(outlines=outlines, scenes=(_scene(shot, scale or PIXELS),))
+    measured.overlay = replace(measured.overlay, scenes=(_scene(shot, scale or PIXELS),))
 
 
 def _with_row_times(seen: ShotTrack, recording: Recording, readout: float) -> ShotTrack:
@@ -126,7 +129,7 @@ def _row(trial: Trial, shot: Shot, reason: str) -> dict[str, Any]:
 
 
 def _tip_cells(tip: CueTip) -> dict[str, float]:
-    """What is seen of the cue: speed along its own way, its direction (rad from x to y), contact offset."""
+    """Tell what is seen of the cue: speed along its way, its direction (rad from x to y), contact offset."""
     speed = float(np.hypot(*tip.velocity))
     sd = float(np.hypot(*(tip.velocity * tip.velocity_sd)) / speed)
     return {
@@ -136,7 +139,7 @@ def _tip_cells(tip: CueTip) -> dict[str, float]:
 
 
 def _scene(shot: Shot, scale: Scale) -> Scene:
-    """What the overlay tells: the fitted path, where the ball is struck, rolls and meets something."""
+    """Tell the overlay the fitted path, and where the ball is struck, rolls and meets something."""
     path = to_pixels(scale, shot.fitted[:, 1:])
     places = {"strike": (shot.strike_time, shot.place), "meets": (shot.meeting_time, _place_of_meeting(shot))}
     if shot.rolling_time > shot.strike_time:
@@ -160,10 +163,10 @@ def _place_of_meeting(shot: Shot) -> FloatArray:
 
 def _lines(shot: Shot) -> list[str]:
     """Results in words."""
-    places = 3 if shot.unit == "m" else 0
+    places = 4 if shot.unit == "m" else 0
     lines = [f"velocity {_pair(shot.velocity, shot.velocity_sd, places)} {shot.unit}/s, x right, y up"]
     if np.isfinite(shot.angular_velocity).all():
-        lines.append(f"spin {_pair(shot.angular_velocity, shot.angular_velocity_sd, 1)} rad/s")
+        lines.append(f"spin {_pair(shot.angular_velocity, shot.angular_velocity_sd, 2)} rad/s")
     events = [f"struck at {shot.strike_time:.3f} s"]
     if shot.rolling_time > shot.strike_time:
         events.append(f"rolls from {shot.rolling_time:.3f} s")

@@ -164,7 +164,8 @@ def _check_scale(scale: Any) -> None:
     for name, value in scale.items():
         if name == "ball_diameter":
             if value not in ("upper", "ball", "striker"):
-                raise ValueError(f"scale: ball_diameter must name the ball 'upper', got {shown(value)}")
+                names = "'upper', 'ball' or 'striker'"
+                raise ValueError(f"scale: ball_diameter must name the ball {names}, got {shown(value)}")
         elif name in POINTS:
             _check_points(name, value)
         else:

@@ -133,6 +133,7 @@ def test_a_ball_that_looks_larger_has_left_the_cloth() -> None:
     shot = measure_shot(replace(seen, lift=lift), RADIUS)
     assert shot.jumps
     assert "jump shot" in shot.notes[-1]
+    assert shot.doubts == shot.notes[-1:]
 
 
 def test_uncertain_scale_makes_velocity_and_spin_uncertain() -> None:

@@ -34,7 +34,7 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """What is told from a moment (s) on, until the next scene: lines of text, curves (n, 2) in px, moments."""
+    """What is told from `since` (s) to the next scene: lines of text, curves (n, 2) in px, moments."""
 
     since: float = -np.inf
     lines: tuple[str, ...] = ()

@@ -9,9 +9,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tracking.contact_sheet import arrange, choose_frames, panel_of
+from tracking.contact_sheet import arrange, choose_frames, cut_out
 from tracking.encode import write_video
-from tracking.overlay import Overlay, Scene
+from tracking.overlay import Overlay
 from tracking.overlay_marks import (
     Brush,
     add_strip,
@@ -20,6 +20,7 @@ from tracking.overlay_marks import (
     draw_moment,
     draw_trail,
     enlarged,
+    whole_brush,
 )
 from tracking.video import Frame, Image, Recording, read_frames
 
@@ -59,19 +60,22 @@ def as_png(picture: Image) -> bytes:
 
 def _film(recording: Recording, overlay: Overlay, panels: list[Image]) -> Iterator[Image]:
     """Draw every frame; put those of the contact sheet into `panels` on the way."""
-    brush = Brush.for_picture(recording.samples[0].shape)
+    brush = whole_brush(recording.samples[0].shape)
     last = recording.genuine.size, float(recording.times[-1])
     texts = [_stamp(*last), *(line for scene in overlay.scenes for line in scene.lines)]
     room = 1 + max(len(scene.lines) for scene in overlay.scenes), texts
     chosen = choose_frames(recording, overlay)
     flash = FLASH_FRAMES / recording.capture_fps
     for frame in read_frames(recording):
-        scene, stamp = overlay.scene_at(frame.time), _stamp(frame.index, frame.time)
-        picture = _drawn(frame, overlay, brush)
-        _draw_moments(picture, scene, frame.time, brush, flash)
         if frame.index in chosen:
-            panels.append(panel_of(picture, chosen[frame.index], brush, stamp))
-        yield add_strip(picture, (stamp, *scene.lines), brush, room)
+            panel, fine_brush = cut_out(frame.image, chosen[frame.index])
+            _draw(panel, frame, overlay, fine_brush, flash)
+            stamp = _stamp(frame.index, frame.time)
+            panels.append(add_strip(panel, [stamp], fine_brush, (1, [stamp])))
+        picture = enlarged(frame.image, brush)
+        _draw(picture, frame, overlay, brush, flash)
+        lines = _stamp(frame.index, frame.time), *overlay.scene_at(frame.time).lines
+        yield add_strip(picture, lines, brush, room)
 
 
 def _stamp(index: int, time: float) -> str:
@@ -79,23 +83,17 @@ def _stamp(index: int, time: float) -> str:
     return f"frame {index}   t = {time:.4f} s"
 
 
-def _drawn(frame: Frame, overlay: Overlay, brush: Brush) -> Image:
-    """Draw trails, fitted paths and outlines on a picture, larger if it is small."""
-    picture = enlarged(frame.image, brush)
-    for number, outline in enumerate(overlay.outlines):
-        past = outline.centre[outline.frame <= frame.index][-LONGEST_TRAIL:]
-        draw_trail(picture, past, number, brush)
-    for curve in overlay.scene_at(frame.time).curves:
+def _draw(picture: Image, frame: Frame, overlay: Overlay, brush: Brush, flash: float) -> None:
+    """Draw fitted paths, trails, outlines and moments; `flash` s around a moment its place is ringed."""
+    scene = overlay.scene_at(frame.time)
+    for curve in scene.curves:
         draw_curve(picture, curve, brush)
-    for number, outline in enumerate(overlay.outlines):
+    for ball, outline in enumerate(overlay.outlines):
+        past = outline.centre[outline.frame <= frame.index][-LONGEST_TRAIL:]
+        draw_trail(picture, past, ball, brush)
         for seen in np.flatnonzero(outline.frame == frame.index):
-            draw_circle(picture, outline.centre[seen], float(outline.radius[seen]), number, brush)
-    return picture
-
-
-def _draw_moments(picture: Image, scene: Scene, time: float, brush: Brush, flash: float) -> None:
-    """Mark the places of moments from then on, with a ring while they happen."""
+            draw_circle(picture, outline.centre[seen], float(outline.radius[seen]), ball, brush)
     for moment in scene.moments:
-        if time >= moment.time - flash:
-            ringed = abs(time - moment.time) <= flash
+        if frame.time >= moment.time - flash:
+            ringed = abs(frame.time - moment.time) <= flash
             draw_moment(picture, moment.place, moment.words, brush, ringed=ringed)

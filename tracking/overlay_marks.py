@@ -24,32 +24,48 @@ LIGHT: Colour = (255, 255, 255)
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 LETTER_SCALE = 0.5  # of the font, for a picture LEAST_SIDE wide
 LINE_HEIGHT = 20  # px, likewise
+RING, CROSS = 13, 5  # radius of a ring and half the width of a cross, in strokes
+SHADOW = tuple((x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brush:
-    """How a picture is drawn upon: its whole-number enlargement, width of a stroke in px, size of letters."""
+    """How a picture is drawn upon.
 
-    zoom: int
-    stroke: int
-    letters: float
+    Attributes
+    ----------
+    zoom : float
+        Pixels of the drawing in one of the recording.
+    corner : tuple of float
+        Pixel (x, y) of the recording at the upper left of the drawing.
+    stroke : int
+        Width of a stroke, px of the drawing.
+    letters : float
+        Size of letters; 1 is for a small picture.
+    """
 
-    @classmethod
-    def for_picture(cls, shape: tuple[int, ...]) -> "Brush":
-        """Fit the brush to a picture of this shape (rows, columns, ...)."""
-        zoom = max(1, ceil(LEAST_SIDE / min(shape[:2])))
-        shorter = zoom * min(shape[:2])
-        return cls(zoom=zoom, stroke=max(1, round(shorter / 600)), letters=max(1.0, shorter / 540))
+    zoom: float
+    corner: tuple[float, float] = (0.0, 0.0)
+    stroke: int = 1
+    letters: float = 1.0
 
     def at(self, place: FloatArray) -> tuple[int, int]:
         """Give a place of the recording in fine units of the drawing."""
-        fine = np.rint(((np.asarray(place) + 0.5) * self.zoom - 0.5) * 2**FINE_SHIFT).astype(int)
-        return int(fine[0]), int(fine[1])
+        fine = (np.asarray(place) - self.corner + 0.5) * self.zoom - 0.5
+        column, row = np.rint(fine * 2**FINE_SHIFT).astype(int)
+        return int(column), int(row)
+
+
+def whole_brush(shape: tuple[int, ...]) -> Brush:
+    """Fit a brush to all of a picture of this shape (rows, columns, ...)."""
+    zoom = max(1, ceil(LEAST_SIDE / min(shape[:2])))
+    shorter = zoom * min(shape[:2])
+    return Brush(zoom=zoom, stroke=max(1, round(shorter / 600)), letters=max(1.0, shorter / 480))
 
 
 def enlarged(image: Image, brush: Brush) -> Image:
-    """Copy a picture, enlarged, with even sides as video needs them (the last row and column repeat)."""
-    rows, columns = (side * brush.zoom for side in image.shape[:2])
+    """Copy a whole picture, enlarged, with even sides as video needs them (last row and column repeat)."""
+    rows, columns = (round(side * brush.zoom) for side in image.shape[:2])
     large = cv2.resize(image, (columns, rows), interpolation=cv2.INTER_NEAREST)
     return np.asarray(
         cv2.copyMakeBorder(large, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE), dtype=np.uint8
@@ -60,16 +76,16 @@ def draw_circle(picture: Image, centre: FloatArray, radius: float, ball: int, br
     """Draw a ball's outline in its colour; a cross for what has no extent."""
     at, colour = brush.at(centre), BALL_COLOURS[ball % len(BALL_COLOURS)]
     if radius == 0:
-        _cross(picture, at, 4 * brush.stroke, colour, brush)
+        _cross(picture, at, CROSS * brush.stroke, colour, brush)
         return
     size = round(radius * brush.zoom * 2**FINE_SHIFT)
-    for stroke, shade in ((brush.stroke + 2, DARK), (brush.stroke, colour)):
+    for stroke, shade in ((brush.stroke + 3, DARK), (brush.stroke + 1, colour)):
         cv2.circle(picture, at, size, shade, stroke, cv2.LINE_AA, FINE_SHIFT)
 
 
 def draw_trail(picture: Image, places: FloatArray, ball: int, brush: Brush) -> None:
     """Draw a dot where a ball was seen."""
-    size = round(1.3 * brush.stroke * 2**FINE_SHIFT)
+    size = round(1.8 * brush.stroke * 2**FINE_SHIFT)
     for grown, shade in ((2**FINE_SHIFT, DARK), (0, BALL_COLOURS[ball % len(BALL_COLOURS)])):
         for place in places:
             cv2.circle(picture, brush.at(place), size + grown, shade, -1, cv2.LINE_AA, FINE_SHIFT)
@@ -77,23 +93,24 @@ def draw_trail(picture: Image, places: FloatArray, ball: int, brush: Brush) -> N
 
 def draw_curve(picture: Image, places: FloatArray, brush: Brush) -> None:
     """Draw a fitted path."""
-    line = np.array([brush.at(place) for place in places], dtype=np.int32).reshape(-1, 1, 2)
+    known = places[np.isfinite(places).all(axis=1)]
+    line = np.array([brush.at(place) for place in known], dtype=np.int32).reshape(-1, 1, 2)
     for stroke, shade in ((brush.stroke + 2, DARK), (brush.stroke, CURVE_COLOUR)):
         cv2.polylines(picture, [line], False, shade, stroke, cv2.LINE_AA, FINE_SHIFT)
 
 
 def draw_moment(picture: Image, place: FloatArray, words: str, brush: Brush, *, ringed: bool) -> None:
     """Mark a place with a cross, and a ring while it happens, and say what happens there."""
-    at = brush.at(place)
+    at, ring = brush.at(place), RING * brush.stroke
+    _cross(picture, at, CROSS * brush.stroke, MOMENT_COLOUR, brush)
     if ringed:
-        for stroke, shade in ((brush.stroke + 4, DARK), (brush.stroke + 2, MOMENT_COLOUR)):
-            cv2.circle(picture, at, 14 * brush.stroke << FINE_SHIFT, shade, stroke, cv2.LINE_AA, FINE_SHIFT)
-    _cross(picture, at, 7 * brush.stroke, MOMENT_COLOUR, brush)
-    (width, _), _ = cv2.getTextSize(words, FONT, LETTER_SCALE * brush.letters, 1)
+        for stroke, shade in ((brush.stroke + 3, DARK), (brush.stroke + 1, MOMENT_COLOUR)):
+            cv2.circle(picture, at, ring << FINE_SHIFT, shade, stroke, cv2.LINE_AA, FINE_SHIFT)
+    scale = LETTER_SCALE * brush.letters
+    (width, _), _ = cv2.getTextSize(words, FONT, scale, _thickness(scale))
     column, row = (value >> FINE_SHIFT for value in at)
-    beside = 17 * brush.stroke
-    left = column + beside if column + beside + width < picture.shape[1] else column - beside - width
-    _write(picture, words, (left, row - beside // 2), LETTER_SCALE * brush.letters, MOMENT_COLOUR)
+    left = column + ring if column + ring + width < picture.shape[1] else column - ring - width
+    _write(picture, words, (left, row - ring), scale, MOMENT_COLOUR)
 
 
 def add_strip(picture: Image, lines: Sequence[str], brush: Brush, room: tuple[int, Sequence[str]]) -> Image:
@@ -107,7 +124,7 @@ def add_strip(picture: Image, lines: Sequence[str], brush: Brush, room: tuple[in
     """
     rows, texts = room
     margin, scale = round(8 * brush.letters), LETTER_SCALE * brush.letters
-    widest = max(cv2.getTextSize(text, FONT, scale, 1)[0][0] for text in texts)
+    widest = max(cv2.getTextSize(text, FONT, scale, _thickness(scale))[0][0] for text in texts)
     scale *= min(1.0, (picture.shape[1] - 2 * margin) / widest)
     height = 2 * round((rows * LINE_HEIGHT * brush.letters + margin) / 2)
     strip = np.zeros((height, picture.shape[1], 3), np.uint8)
@@ -117,10 +134,17 @@ def add_strip(picture: Image, lines: Sequence[str], brush: Brush, room: tuple[in
 
 
 def _write(picture: Image, text: str, at: tuple[int, int], scale: float, colour: Colour) -> None:
-    """Write light letters with a dark rim."""
-    thickness = max(1, round(1.6 * scale))
-    for stroke, shade in ((thickness + 3, DARK), (thickness, colour)):
-        cv2.putText(picture, text, at, FONT, scale, shade, stroke, cv2.LINE_AA)
+    """Write letters on a dark shadow all around, which is thick letters no font gives."""
+    thickness = _thickness(scale)
+    for step in SHADOW:
+        shifted = at[0] + step[0] * thickness, at[1] + step[1] * thickness
+        cv2.putText(picture, text, shifted, FONT, scale, DARK, thickness, cv2.LINE_AA)
+    cv2.putText(picture, text, at, FONT, scale, colour, thickness, cv2.LINE_AA)
+
+
+def _thickness(scale: float) -> int:
+    """Width of the strokes of letters, px."""
+    return max(1, round(1.6 * scale))
 
 
 def _cross(picture: Image, at: tuple[int, int], half: int, colour: Colour, brush: Brush) -> None:

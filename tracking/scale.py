@@ -87,7 +87,8 @@ def scale_from_ball(track: Track, diameter: float) -> Scale:
     scale = scale_from_metres_per_pixel(
         diameter / (2 * track.radius), relative_sd=float(np.hypot(track.radius_sd, 0.1) / track.radius)
     )
-    return replace(scale, source=f"{track.ball} ball, {diameter * 1e3:g} mm wide, {2 * track.radius:.1f} px")
+    name = track.ball.removesuffix(" ball")
+    return replace(scale, source=f"{name} ball, {diameter * 1e3:g} mm wide, {2 * track.radius:.1f} px")
 
 
 def scale_from_corners(corners: Sequence[Point], width: float, height: float) -> Scale:
@@ -145,7 +146,7 @@ def apply(scale: Scale, x: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
 
 def to_pixels(scale: Scale, places: FloatArray) -> FloatArray:
     """Map points (n, 2) from metres back to pixels of the picture, y down."""
-    back = replace(scale, matrix=np.linalg.inv(scale.matrix))
+    back = replace(scale, matrix=np.asarray(np.linalg.inv(scale.matrix), dtype=np.float64))
     return np.column_stack(apply(back, places[:, 0], places[:, 1]))
 
 
