@@ -21,21 +21,25 @@ VELOCITIES = ("striker_before", "striker_after", "struck_before", "struck_after"
 
 def measure_pair_trial(measured: Measured, recording: Recording) -> None:
     """Track, scale and fit the recording of two discs that meet."""
-    trial = measured.trial
     found = track_pair(recording)
     measured.overlay = only_seen(outline_of(found.striker), outline_of(found.struck))
-    readout = trial.camera.readout
+    readout = measured.trial.camera.readout
     seen = PairTrack(
         striker=with_row_times(found.striker, recording, readout),
         struck=with_row_times(found.struck, recording, readout),
     )
+    measured.overlay = replace(measured.overlay, scenes=(measure_seen(measured, seen),))
+
+
+def measure_seen(measured: Measured, seen: PairTrack) -> Scene:
+    """Scale and fit what is seen of two discs; give what the overlay tells of them."""
     scale = _scale(measured, seen)
     scaled = seen if scale is None else pair_to_metres(seen, scale)
     measured.tracks = [scaled.striker, scaled.struck]
     impact = measure_pair(scaled, masses=_masses(measured))
-    measured.rows = [_row(trial, impact, scaled.striker.unit, 0.0 if scale is None else scale.relative_sd)]
-    scene = _scene(impact, scaled, scale or PIXELS)
-    measured.overlay = replace(measured.overlay, scenes=(scene,))
+    scale_sd = 0.0 if scale is None else scale.relative_sd
+    measured.rows = [_row(measured.trial, impact, scaled.striker.unit, scale_sd)]
+    return _scene(impact, scaled, scale or PIXELS)
 
 
 def _scale(measured: Measured, seen: PairTrack) -> Scale | None:

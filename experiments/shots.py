@@ -28,9 +28,16 @@ RADIUS_TOLERANCE = 0.1  # share by which outline and diameter may differ
 def measure_shot_trial(measured: Measured, recording: Recording) -> None:
     """Track, scale and fit the recording of a cue shot."""
     trial = measured.trial
-    seen = _with_row_times(track_shot(recording, start_px=trial.start_px), recording, trial.camera.readout)
+    seen = track_shot(recording, start_px=trial.start_px)
     tips = () if seen.tip is None else (outline_of(seen.tip),)
     measured.overlay = only_seen(outline_of(seen.ball, seen.expected_radius), *tips)
+    scene = measure_seen(measured, _with_row_times(seen, recording, trial.camera.readout))
+    measured.overlay = replace(measured.overlay, scenes=(scene,))
+
+
+def measure_seen(measured: Measured, seen: ShotTrack) -> Scene:
+    """Scale and fit what is seen of a shot; give what the overlay tells of it."""
+    trial = measured.trial
     scale, no_scale = _scale(trial, seen)
     scaled = seen if scale is None else shot_to_metres(seen, scale)
     measured.tracks = [track for track in (scaled.ball, scaled.tip) if track is not None]
@@ -45,7 +52,7 @@ def measure_shot_trial(measured: Measured, recording: Recording) -> None:
     measured.remarks += [note for note in shot.notes if note not in shot.doubts]
     reasons = [no_scale, _wrong_size(trial, seen, scaled, radius), *shot.doubts, find_shot_doubt(shot)]
     measured.rows = [_row(trial, shot, "; ".join(filter(None, reasons)))]
-    measured.overlay = replace(measured.overlay, scenes=(_scene(shot, scale or PIXELS),))
+    return _scene(shot, scale or PIXELS)
 
 
 def _with_row_times(seen: ShotTrack, recording: Recording, readout: float) -> ShotTrack:

@@ -49,11 +49,15 @@ class Brush:
     stroke: int = 1
     letters: float = 1.0
 
+    def fine(self, places: FloatArray) -> npt.NDArray[np.int32]:
+        """Give places (..., 2) of the recording in fine units of the drawing."""
+        pixels = (np.asarray(places) - self.corner + 0.5) * self.zoom - 0.5
+        return np.rint(pixels * 2**FINE_SHIFT).astype(np.int32)
+
     def at(self, place: FloatArray) -> tuple[int, int]:
-        """Give a place of the recording in fine units of the drawing."""
-        fine = (np.asarray(place) - self.corner + 0.5) * self.zoom - 0.5
-        column, row = np.rint(fine * 2**FINE_SHIFT).astype(int)
-        return int(column), int(row)
+        """Give one place in fine units of the drawing."""
+        column, row = self.fine(place).tolist()
+        return column, row
 
 
 def whole_brush(shape: tuple[int, ...]) -> Brush:
@@ -87,14 +91,14 @@ def draw_trail(picture: Image, places: FloatArray, ball: int, brush: Brush) -> N
     """Draw a dot where a ball was seen."""
     size = round(1.8 * brush.stroke * 2**FINE_SHIFT)
     for grown, shade in ((2**FINE_SHIFT, DARK), (0, BALL_COLOURS[ball % len(BALL_COLOURS)])):
-        for place in places:
-            cv2.circle(picture, brush.at(place), size + grown, shade, -1, cv2.LINE_AA, FINE_SHIFT)
+        for at in brush.fine(places).tolist():
+            cv2.circle(picture, at, size + grown, shade, -1, cv2.LINE_AA, FINE_SHIFT)
 
 
 def draw_curve(picture: Image, places: FloatArray, brush: Brush) -> None:
     """Draw a fitted path."""
     known = places[np.isfinite(places).all(axis=1)]
-    line = np.array([brush.at(place) for place in known], dtype=np.int32).reshape(-1, 1, 2)
+    line = brush.fine(known).reshape(-1, 1, 2)
     for stroke, shade in ((brush.stroke + 2, DARK), (brush.stroke, CURVE_COLOUR)):
         cv2.polylines(picture, [line], False, shade, stroke, cv2.LINE_AA, FINE_SHIFT)
 

@@ -89,11 +89,13 @@ class EncounterFit:
 
 
 def fit_encounter(encounter: Encounter, start: FloatArray) -> EncounterFit:
-    """Fit robustly, drop the frames that lie off, and fit again."""
+    """Fit robustly, drop the frames that lie off, and fit again; a disc that never slows has no friction."""
     rough = _solve(encounter, start, robust=True)
     encounter = replace(encounter, legs=tuple(_inliers(leg, rough) for leg in encounter.legs))
     parameters = _solve(encounter, rough, robust=False)
-    free = encounter.free
+    unslowed = [place for place in map(deceleration_of, (0, 1)) if parameters[place] <= 0]
+    parameters[unslowed] = 0.0
+    free = [place for place in encounter.free if place not in unslowed]
 
     def residuals(values: FloatArray) -> FloatArray:
         return _residuals(encounter, _with(parameters, free, values))
