@@ -47,8 +47,7 @@ def demo(
     films = film(out / "recordings", seed=seed, workers=cores() if workers is None else workers, truth=truth)
     for _ in console.progress(films, recordings(), "filming", quiet=quiet):
         pass
-    trials = read_experiment(out / "recordings" / "experiment.toml")
-    measure(trials, out, workers, quiet, overlays=False)
+    measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet, overlays=False)
     typer.echo("")
     calibration = calibrated([out / "trials.csv"], out, {})
     typer.echo("\n" + fitted_against_truth(calibration, truth))
@@ -142,8 +141,7 @@ def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bo
     from experiments import console
     from experiments.process import process as process_trials
 
-    width, headline = console.name_width(trial.name for trial in trials), ""
-    failed = 0
+    width, headline, failed = console.name_width(trial.name for trial in trials), "", 0
     workers = cores() if workers is None else workers
     done = process_trials(trials, out, workers=workers, overlays=overlays)
     for measured in console.progress(done, len(trials), "measuring", quiet=quiet):

@@ -16,11 +16,11 @@ from tracking.overlay_marks import enlarged, whole_brush
 from tracking.video import Recording, open_recording, read_frames
 
 Picture = NDArray[np.uint8]
-COUNT = 40
+COUNT = 30
 ZOOM = 3  # of a picture 160 px high
-WAY = np.column_stack((np.linspace(30, 290, COUNT), np.full(COUNT, 80.0)))
+WAY = np.column_stack((np.linspace(40, 280, COUNT), np.full(COUNT, 80.0)))
 SEEN = Outline(frame=np.arange(COUNT), centre=WAY, radius=np.full(COUNT, float(RADIUS_PX)))
-HIT = Moment(time=20 / 240, place=np.array([163.0, 80.0]), words="impact")
+HIT = Moment(time=12 / 240, place=np.array([139.3, 80.0]), words="impact")
 
 
 @pytest.fixture(scope="module")
@@ -55,9 +55,9 @@ def test_every_frame_is_shown_and_the_film_plays_in_slow_motion(recording: Recor
 
 
 def test_the_outline_lies_on_the_ball(recording: Recording, tmp_path: Path) -> None:
-    picture = drawn(recording, Overlay(outlines=(SEEN,)), tmp_path / "film.mp4")[30]
+    picture = drawn(recording, Overlay(outlines=(SEEN,)), tmp_path / "film.mp4")[20]
     rows, columns = np.nonzero(orange(picture))
-    centre = (WAY[30] + 0.5) * ZOOM
+    centre = (WAY[20] + 0.5) * ZOOM
     distance = np.hypot(columns - centre[0], rows - centre[1])
     assert np.count_nonzero(np.abs(distance - ZOOM * RADIUS_PX) < 4) > 50
     assert columns.max() - centre[0] == pytest.approx(ZOOM * RADIUS_PX, abs=4)
@@ -94,7 +94,7 @@ def test_a_scene_lasts_until_the_next() -> None:
 
 @pytest.mark.parametrize(
     ("moments", "rows", "columns"),
-    [((HIT,), 3, 3), ((HIT, Moment(time=0.15, place=HIT.place, words="again")), 2, 4), ((), 3, 3)],
+    [((HIT,), 3, 3), ((HIT, Moment(time=0.1, place=HIT.place, words="again")), 2, 4), ((), 3, 3)],
 )
 def test_the_sheet_shows_eight_or_nine_frames(
     recording: Recording, tmp_path: Path, moments: tuple[Moment, ...], rows: int, columns: int
