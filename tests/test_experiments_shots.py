@@ -1,4 +1,4 @@
-"""Cue shots and pairs of discs from recording to table: values, units, reasons, pictures of them."""
+"""Cue shots from recording to table: values, units, reasons; and what a run over shots and pairs writes."""
 
 import csv
 from dataclasses import replace
@@ -8,17 +8,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from film_discs import film
+from film_discs import RESTITUTION, film_impact
 
 from calibrate.observed import found_in
 from calibrate.trials import read_trials
-from experiments import console, pairs, shots
+from experiments import console, shots
 from experiments.measured import Measured
 from experiments.process import measure, process
 from experiments.trial import Body, Camera, Trial
 from tracking.cloth import Cloth
-from tracking.errors import RecordingError
-from tracking.pair import PairTrack, track_pair
 from tracking.render_scene import Camera as SceneCamera
 from tracking.render_shot import ShotScene, shot_truth, write_shot
 from tracking.strike import ShotTrack, track_shot
@@ -43,23 +41,6 @@ CORNERS = Camera(
         "height": 120 * SIZE,
     }
 )
-SPEED, SLOWING, E = 3.0, 0.02, 0.9  # px/frame, px/frame², restitution
-IMPACT_FRAME = 30
-
-
-def way(speed: float, since: np.ndarray) -> np.ndarray:
-    """Way of a disc that slows to rest by dry friction."""
-    since = np.minimum(since, speed / SLOWING)
-    return np.asarray(speed * since - SLOWING / 2 * since**2)
-
-
-def two_discs(path: Path) -> Path:
-    """Film a disc that meets an equal one at rest head-on, with restitution E."""
-    since = np.arange(-IMPACT_FRAME, 30)
-    after = np.maximum(since, 0)
-    striker = np.where(since < 0, way(SPEED, since), way(SPEED * (1 - E) / 2, after))
-    struck = 18 + way(SPEED * (1 + E) / 2, after)
-    return film(path, [np.column_stack((130 + x, 70 + 0.2 * x)) for x in (striker, struck)])
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +48,7 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of shot.mp4 and pair.mp4."""
     folder = tmp_path_factory.mktemp("films")
     write_shot(SCENE, folder / "shot.mp4")
-    two_discs(folder / "pair.mp4")
+    film_impact(folder / "pair.mp4")
     return folder
 
 
@@ -88,23 +69,11 @@ def shot_seen(films: Path) -> ShotTrack:
     return track_shot(open_recording(films / "shot.mp4"))
 
 
-@pytest.fixture(scope="module")
-def pair_seen(films: Path) -> PairTrack:
-    return track_pair(open_recording(films / "pair.mp4"))
-
-
 def shot_of(seen: ShotTrack, **told: Any) -> Measured:
     """Measure a shot that is tracked already."""
     told = {"bodies": CUE_BALL, "camera": GIVEN} | told
     measured = Measured(trial=Trial(name="shot", video=Path("shot.mp4"), kind="shot", **told))
     shots.measure_seen(measured, seen)
-    return measured
-
-
-def pair_of(seen: PairTrack, **told: Any) -> Measured:
-    """Measure a pair that is tracked already."""
-    measured = Measured(trial=Trial(name="pair", video=Path("pair.mp4"), kind="pair", **told))
-    pairs.measure_seen(measured, seen)
     return measured
 
 
@@ -200,54 +169,12 @@ def test_a_ball_nobody_struck_fails_with_the_name_of_the_file(films: Path) -> No
     assert row["reason"].startswith("shot.mp4: no ball starts to move near start_px (300, 10)")
 
 
-def test_a_pair_tells_restitution_and_velocities(pair_seen: PairTrack) -> None:
-    measured = pair_of(pair_seen)
-    (row,) = measured.rows
-    assert (row["status"], row["unit"]) == ("ok", "px"), row["reason"]
-    assert abs(row["restitution"] - E) < 4 * row["restitution_sd"] < 0.1
-    assert np.hypot(row["momentum_gap_along"], row["momentum_gap_across"]) < 0.02
-    assert row["striker_before_x"] == pytest.approx(SPEED * 240, rel=0.01)
-    assert row["struck_after_x"] == pytest.approx(SPEED * 240 * (1 + E) / 2, rel=0.01)
-    assert row["struck_before_x"] == 0
-    assert any("restitution and momentum need no scale" in remark for remark in measured.remarks)
-
-
-def test_the_diameter_of_a_disc_gives_metres(pair_seen: PairTrack) -> None:
-    disc = Body(mass=0.015, diameter=0.032)
-    measured = pair_of(pair_seen, bodies={"striker": disc, "struck": disc})
-    (row,) = measured.rows
-    assert row["unit"] == "m"
-    assert row["striker_before_x"] == pytest.approx(SPEED * 240 * 0.016 / 9, rel=0.03)
-    assert measured.remarks == [f"scale: striker ball, 32 mm wide, {2 * pair_seen.striker.radius:.1f} px"]
-
-
-def test_momentum_that_does_not_close_is_suspect(pair_seen: PairTrack) -> None:
-    (row,) = pair_of(pair_seen, bodies={"striker": Body(mass=1.0), "struck": Body(mass=3.0)}).rows
-    assert row["status"] == "suspect"
-    assert "momentum does not close" in row["reason"]
-    assert "check the masses" in row["reason"]
-
-
-def test_a_pair_cut_short_keeps_its_tracks_for_the_overlay(pair_seen: PairTrack) -> None:
-    seen = PairTrack(**{name: until(getattr(pair_seen, name), 33) for name in ("striker", "struck")})
-    measured = Measured(trial=Trial(name="pair", video=Path("pair.mp4"), kind="pair"))
-    with pytest.raises(RecordingError, match="record more frames a second"):
-        pairs.measure_seen(measured, seen)
-    assert [track.ball for track in measured.tracks] == ["striker", "struck"]
-
-
-def until(track: Any, frame: int) -> Any:
-    """Cut a track off behind a frame."""
-    arrays = ("frame", "time", "x", "y", "x_sd", "y_sd", "arc")
-    return replace(track, **{name: getattr(track, name)[track.frame <= frame] for name in arrays})
-
-
 def test_a_fit_takes_from_the_table_only_the_rows_it_needs(
     run: tuple[dict[str, Measured], Path], tmp_path: Path
 ) -> None:
     table = read_trials(run[1] / "trials.csv").set_index("trial")
     assert table["kind"].tolist() == ["shot", "pair", "pair"]
-    assert table.loc["pair", "restitution"] == pytest.approx(E, abs=0.03)
+    assert table.loc["pair", "restitution"] == pytest.approx(RESTITUTION, abs=0.03)
     assert table.loc["shot", "velocity_x"] * SIZE == pytest.approx(1.2, abs=0.02)
     (tmp_path / "typed.csv").write_text("kind,approach_velocity,upper_rebound_velocity\nplate,-2,1.7\n")
     found = found_in(read_trials([run[1] / "trials.csv", tmp_path / "typed.csv"]))
