@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from calibrate.rows import VELOCITIES
 from experiments.doubt import find_doubt
-from experiments.measured import DROP_VELOCITIES, Measured, cells, empty_row, judgement, only_seen
+from experiments.measured import Measured, cells, empty_row, judgement, only_seen
 from experiments.scales import told_scale
 from experiments.trial import Body, Trial
 from tracking.errors import RecordingError
@@ -108,7 +109,7 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
         **judgement(find_doubt(impact, recording.capture_fps)),
         "impact": number,
         "time": impact.time,
-        **cells(DROP_VELOCITIES, list(impact.velocities), list(impact.sd)),
+        **cells(VELOCITIES, list(impact.velocities), list(impact.sd)),
         "gravity_check": impact.gravity_check,
         "gravity_check_sd": impact.gravity_check_sd,
         "sideways_before": impact.sideways[0],

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from calibrate.rows import VELOCITIES
 from experiments.trial import Trial
 from tracking.overlay import Outline, Overlay, Scene
 from tracking.track import Track
 from tracking.video import Recording
 
 DROPS = ("plate", "held", "two")
-DROP_VELOCITIES = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
 
 
 @dataclass(slots=True, kw_only=True)
@@ -48,7 +48,7 @@ def only_seen(*outlines: Outline) -> Overlay:
 def empty_row(trial: Trial) -> dict[str, Any]:
     """Write down what is known of a trial before it is measured."""
     upper, lower = (trial.body(name).mass if trial.kind in DROPS else None for name in ("upper", "lower"))
-    velocities = {f"{name}{suffix}": None for name in DROP_VELOCITIES for suffix in ("", "_sd")}
+    velocities = {f"{name}{suffix}": None for name in VELOCITIES for suffix in ("", "_sd")}
     return {
         "trial": trial.name,
         "kind": trial.kind,

@@ -7,9 +7,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from tracking.detect import Image
 from tracking.overlay import Overlay
 from tracking.overlay_marks import Brush
-from tracking.video import Image, Recording
+from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
 Window = tuple[float, float, float]

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from tracking.contact_sheet import arrange, choose_frames, cut_out
+from tracking.detect import Image
 from tracking.encode import write_video
 from tracking.overlay import Overlay
 from tracking.overlay_marks import (
@@ -22,7 +23,7 @@ from tracking.overlay_marks import (
     enlarged,
     whole_brush,
 )
-from tracking.video import Frame, Image, Recording, read_frames
+from tracking.video import Frame, Recording, read_frames
 
 FASTEST_PLAY = 30.0  # pictures a second: faster recordings play in slow motion
 LONGEST_TRAIL = 240  # sightings

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.video import Image
+from tracking.detect import Image
 
 FloatArray = npt.NDArray[np.float64]
 Colour = tuple[int, int, int]
@@ -52,7 +52,7 @@ class Brush:
     def fine(self, places: FloatArray) -> npt.NDArray[np.int32]:
         """Give places (..., 2) of the recording in fine units of the drawing."""
         pixels = (np.asarray(places) - self.corner + 0.5) * self.zoom - 0.5
-        return np.rint(pixels * 2**FINE_SHIFT).astype(np.int32)
+        return np.asarray(np.rint(pixels * 2**FINE_SHIFT), dtype=np.int32)
 
     def at(self, place: FloatArray) -> tuple[int, int]:
         """Give one place in fine units of the drawing."""
