@@ -13,6 +13,9 @@ The way of a recording through the room, one file a step:
 `flight`         how a ball flies through air, in closed form
 `joint`          flights that meet at an impact, fitted together
 `velocity`       `Track` → `Impact`: velocities, covariance, gravity check
+`strike`         a cue shot: the ball that is struck, and the cue's tip; `shot` measures it
+`pair`           two discs that meet; `pair_impact` measures them
+`overlay`        what was found, to be drawn on the recording; `overlay_film` draws it
 `render`         synthetic recordings with known truth
 ===============  ========================================================================
 
