@@ -136,6 +136,21 @@ def figures(
         typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 
 
+@app.command(epilog="Example: impactlab bench")
+@verb
+def bench() -> None:
+    """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
+    from experiments import bench as benches
+
+    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here\n")
+    for title, rows in (
+        ("engine", benches.engine()),
+        ("compilation", benches.compilation()),
+        ("calibration", benches.calibration()),
+    ):
+        typer.echo(benches.table(title, rows) + "\n")
+
+
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
     """Process trials, print a line an impact; give the number of trials that failed."""
     from experiments import console
