@@ -2,14 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from calibrate.readings import Readings, read_readings
+from calibrate.readings import Readings
 from calibrate.report import rounded
 from calibrate.speed import SpeedLaw, fit_speed_law, tells_about_speed
 from tracking.flight import Air, Flight, apex, fall_time, flight_of_ball
@@ -46,22 +45,21 @@ class BallResult:
     in_air: bool
 
 
-def results(tables: Sequence[Path], bodies: Mapping[str, tuple[float, float]]) -> list[BallResult]:
-    """Read tables and fit each ball by itself.
+def results(readings: Sequence[Readings], bodies: Mapping[str, tuple[float, float]]) -> list[BallResult]:
+    """Fit each ball by itself.
 
     Parameters
     ----------
-    tables : sequence of Path
-        As `calibrate.readings` understands them.
+    readings : sequence of Readings
+        As `read_readings` returns them, one a table.
     bodies : mapping of str to (mass, diameter)
         kg and m, by the ball's name; balls not in it fly as in vacuum.
 
     Raises
     ------
     ValueError
-        If a body names no ball of the tables; if a table cannot be read (`TrialTableError`).
+        If a body names no ball of the tables, or is none.
     """
-    readings = [read_readings(table) for table in tables]
     tables_of_balls = [part.ball for each in readings for part in (each.heights, each.intervals)]
     balls = list(dict.fromkeys(pd.concat(tables_of_balls)))
     for name in bodies:
@@ -137,9 +135,7 @@ def _lines(result: BallResult) -> list[str]:
         lines.append(f"    {method}: {law}")
     for method in result.points["method"].unique():
         if method not in result.laws:
-            lines.append(
-                f"    {method}: too few or too similar speeds to see a dependence on them"
-            )
+            lines.append(f"    {method}: too few or too similar speeds to see a dependence on them")
     if HEIGHTS in result.laws and INTERVALS in result.laws:
         lines.append(f"    {_agreement(result.laws[HEIGHTS], result.laws[INTERVALS])}")
     return lines

@@ -1,8 +1,10 @@
 """Restitution over speed: a line is found where there is one, and hardly ever where there is none."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from calibrate import check_trials, fit_stiffness_ratio
 from calibrate.speed import fit_speed_law
 
 SPEEDS = np.linspace(1.0, 4.0, 12)
@@ -55,3 +57,11 @@ def test_speeds_that_tell_nothing_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=sentence):
         fit_speed_law(speed, restitution)
+
+
+def test_the_fit_says_that_restitution_of_its_drops_falls_with_speed() -> None:
+    noise = np.random.default_rng(5).normal(0.0, 0.002, len(SPEEDS))
+    rebounds = (0.93 - 0.02 * SPEEDS + noise) * SPEEDS
+    columns = {"kind": "plate", "approach_velocity": -SPEEDS, "upper_rebound_velocity": rebounds}
+    notes = fit_stiffness_ratio(check_trials(pd.DataFrame(columns))).notes
+    assert any("drops on the plate falls with speed: e(v) = 0.9" in note for note in notes)
