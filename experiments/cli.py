@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from experiments import plan
 from experiments.fit import EPILOG, calibrated, fit
 from experiments.simulate import simulate
 from experiments.verbs import SOME_FAILED, verb
@@ -23,6 +24,7 @@ app = typer.Typer(
 )
 app.add_typer(simulate, name="simulate")
 app.command(epilog=EPILOG)(fit)
+app.command(epilog=plan.EPILOG)(plan.plan)
 
 FIGURES = ("fig3", "fig4", "fig5", "table1", "states")
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
