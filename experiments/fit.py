@@ -31,6 +31,9 @@ def fit(
     ball_table: Annotated[
         Known, typer.Option(help="Ball-table restitution known from elsewhere: value, sd.")
     ] = None,
+    force_law: Annotated[
+        bool, typer.Option("--force-law", help="Also compare linear, Hertz and a free exponent.")
+    ] = False,
     ball: Annotated[
         list[str] | None,
         typer.Option(
@@ -52,6 +55,8 @@ def fit(
     else:
         options = {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table}
         calibrated(tables, out, options)
+        if force_law:
+            compare_laws(tables, out, ball_ball, ball_table)
         failed = failed_trials(tables)
     for sentence in failed:
         typer.echo(f"impactlab: {sentence}", err=True)
@@ -74,6 +79,21 @@ def calibrated(tables: Sequence[Path], out: Path, options: dict[str, Any]) -> "C
         profile_plot.main(out, calibration)
     typer.echo(str(calibration))
     return calibration
+
+
+def compare_laws(tables: Sequence[Path], out: Path, ball_ball: Known, ball_table: Known) -> None:
+    """Fit linear, Hertz and every exponent between 1 and 2; print, and write force_law.json."""
+    import json
+    from dataclasses import asdict
+
+    from calibrate.files import write_whole
+    from calibrate.fit import misfit_of
+    from calibrate.force_law import compare_force_laws
+    from calibrate.trials import read_trials
+
+    laws = compare_force_laws(misfit_of(read_trials(tables), ball_ball=ball_ball, ball_table=ball_table))
+    write_whole(out / "force_law.json", json.dumps(asdict(laws), indent=1) + "\n")
+    typer.echo(f"\n{laws}")
 
 
 def fit_readings(tables: Sequence[Path], out: Path, bodies: dict[str, tuple[float, float]]) -> list[str]:
