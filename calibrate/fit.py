@@ -22,6 +22,7 @@ from calibrate.outcome import (
 )
 from calibrate.profile import trace_profile
 from calibrate.repeats import Repeats, known
+from calibrate.rows import TrialTableError
 
 Known = tuple[float, float]
 
@@ -103,13 +104,7 @@ def fit_stiffness_ratio(
     own = (_own("ball_ball", ball_ball, found.held), _own("ball_table", ball_table, found.plate))
     if found.two is None:
         return _without_two_balls(trials, found, own, exponent, provenance or {})
-    misfit = Misfit(
-        ball_ball=own[0],
-        ball_table=own[1],
-        rebounds=found.two.repeats,
-        mass_ratios=found.two.mass_ratios,
-        exponent=exponent,
-    )
+    misfit = _misfit(own, found.two, exponent)
     profile = trace_profile(misfit)
     pairs = mass_pairs(misfit, profile, found.two)
     ratio = stiffness_estimate(profile)
@@ -126,6 +121,37 @@ def fit_stiffness_ratio(
         notes=(*notes_on_trials(trials, found, own), *notes_on_fit(misfit, profile, ratio)),
         profile=curve_of(profile),
         provenance=provenance or {},
+    )
+
+
+def misfit_of(
+    trials: pd.DataFrame,
+    *,
+    exponent: float = LINEAR,
+    ball_ball: Known | None = None,
+    ball_table: Known | None = None,
+) -> Misfit:
+    """Collect everything measured about one pair of contacts; arguments as for `fit_stiffness_ratio`.
+
+    Raises
+    ------
+    TrialTableError
+        If there is no usable two-ball trial.
+    """
+    found = found_in(trials)
+    if found.two is None:
+        raise TrialTableError("no usable two-ball trial")
+    own = (_own("ball_ball", ball_ball, found.held), _own("ball_table", ball_table, found.plate))
+    return _misfit(own, found.two, exponent)
+
+
+def _misfit(own: OwnDrops, two: Observed, exponent: float) -> Misfit:
+    return Misfit(
+        ball_ball=own[0],
+        ball_table=own[1],
+        rebounds=two.repeats,
+        mass_ratios=two.mass_ratios,
+        exponent=exponent,
     )
 
 
