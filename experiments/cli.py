@@ -115,19 +115,32 @@ def figures(
         typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 
 
-@app.command(epilog="Example: impactlab bench")
+@app.command(epilog="Example: impactlab bench engine tracking")
 @verb
-def bench() -> None:
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="All without a name.", metavar="[NAME]...")
+    ] = None,
+) -> None:
     """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
     from experiments import bench as benches
+    from experiments import bench_tracking
 
-    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here\n")
-    for title, rows in (
-        ("engine", benches.engine()),
-        ("compilation", benches.compilation()),
-        ("calibration", benches.calibration()),
-    ):
-        typer.echo(benches.table(title, rows) + "\n")
+    rows = {
+        "engine": benches.engine,
+        "compilation": benches.compilation,
+        "calibration": benches.calibration,
+        "tracking": bench_tracking.throughput,
+        "memory": bench_tracking.memory,
+    }
+    unknown = set(names or ()) - set(rows)
+    if unknown:
+        raise ValueError(f"a bench must be one of {', '.join(rows)}, got {', '.join(sorted(unknown))}")
+    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here")
+    for name in names or rows:
+        typer.echo("")
+        for line in benches.lines(name, rows[name]()):
+            typer.echo(line)
 
 
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
