@@ -12,22 +12,16 @@ import pandas as pd
 from joblib import Parallel, delayed
 
 from calibrate.files import write_whole
-from calibrate.rows import checked_row
+from calibrate.rows import VELOCITIES, checked_row
 from calibrate.trials import check_trials, write_trials
 from experiments.doubt import find_doubt
 from experiments.experiment import ExperimentError
+from experiments.known import budget_of, chosen_scale, flight_of, given_scale
 from experiments.trial import Body, Trial
+from tracking.budget import Budget
 from tracking.errors import RecordingError
-from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
-from tracking.scale import (
-    Scale,
-    local_scale,
-    scale_from_ball,
-    scale_from_corners,
-    scale_from_metres_per_pixel,
-    scale_from_points,
-    to_metres,
-)
+from tracking.flight import Flight
+from tracking.scale import Scale, local_scale, to_metres
 from tracking.shutter import with_row_times
 from tracking.track import Track, track_balls
 from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
@@ -103,38 +97,20 @@ def _measure_into(measured: Measured) -> None:
     recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
     measured.remarks += recording.notes
     upper, lower = trial.body("upper"), trial.body("lower")
-    given = _given_scale(trial)
     tracks = track_balls(
-        recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
+        recording,
+        radius=_expected_radius(given_scale(trial), upper, recording),
+        lower=_lower_ratio(trial),
     )
-    scale = given or scale_from_ball(tracks[0], upper.diameter or 0.0)
-    if given is None:
-        measured.remarks.append(f"scale: {scale.source}")
+    scale, remarks = chosen_scale(trial, tracks[0])
+    measured.remarks += remarks
     timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
     measured.tracks = [to_metres(track, scale) for track in timed]
-    flights = [
-        _flight(body, track, measured) for body, track in zip((upper, lower), measured.tracks, strict=False)
-    ]
-    impacts = _impacts(trial, measured.tracks, flights)
+    known = [flight_of(body, track) for body, track in zip((upper, lower), measured.tracks, strict=False)]
+    measured.remarks += [remark for _, remarks in known for remark in remarks]
+    flights = [flight for flight, _ in known]
+    impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
     measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
-
-
-def _given_scale(trial: Trial) -> Scale | None:
-    """Scale that does not need the ball; None if the ball is to tell it, which then has a diameter."""
-    told = trial.camera.scale
-    if "metres_per_pixel" in told:
-        return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
-    if "points_px" in told:
-        first, second = told["points_px"]
-        return scale_from_points(first, second, float(told["distance"]))
-    if "corners_px" in told:
-        return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
-    if trial.body("upper").diameter is None:
-        raise ValueError(
-            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
-            "--metres-per-pixel"
-        )
-    return None
 
 
 def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> float | None:
@@ -154,24 +130,15 @@ def _lower_ratio(trial: Trial) -> float | None:
     return lower / upper if upper and lower else 1.0
 
 
-def _flight(ball: Body, track: Track, measured: Measured) -> Flight:
-    """How a ball flies: through air if its mass is known."""
-    if ball.mass is None:
-        measured.remarks.append(
-            f"the {track.ball} ball's mass is not told, so air is left out: "
-            "a light ball's restitution reads low"
-        )
-        return Flight(gravity=STANDARD_GRAVITY)
-    return flight_of_ball(ball.mass, ball.diameter / 2 if ball.diameter else track.radius, Air())
-
-
-def _impacts(trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[Impact]:
+def _impacts(
+    trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight], budget: Budget
+) -> list[Impact]:
     """Measure the impacts that the model speaks of: all bounces of one ball, the first of two."""
     if trial.kind == "two":
-        impact = measure_two_ball_impact(tracks[0], tracks[1], flights)
+        impact = measure_two_ball_impact(tracks[0], tracks[1], flights, budget)
         impacts = [] if impact is None else [impact]
     else:
-        impacts = measure_impacts(tracks[0], flights[0])
+        impacts = measure_impacts(tracks[0], flights[0], budget)
     if not impacts:
         raise RecordingError(
             f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at "
@@ -196,9 +163,10 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
         "frames_after": impact.frames[1],
         "residual": impact.residual,
     }
-    names = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
-    for name, value, sd in zip(names, impact.velocities, impact.sd, strict=True):
+    for name, value, sd in zip(VELOCITIES, impact.velocities, impact.sd, strict=True):
         row |= {name: value, f"{name}_sd": sd}
+    for source, effects in impact.shared.items():
+        row |= {f"{name}_{source}": effect for name, effect in zip(VELOCITIES, effects, strict=True)}
     return row
 
 
@@ -217,8 +185,7 @@ def _failed(trial: Trial, reason: str) -> dict[str, Any]:
 def _empty_row(trial: Trial) -> dict[str, Any]:
     """Write down what is known of a trial before it is measured."""
     masses = (trial.body("upper").mass, trial.body("lower").mass if trial.kind != "plate" else None)
-    columns = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
-    velocities = {f"{name}{suffix}": None for name in columns for suffix in ("", "_sd")}
+    velocities = {f"{name}{suffix}": None for name in VELOCITIES for suffix in ("", "_sd")}
     return {
         "trial": trial.name,
         "kind": trial.kind,

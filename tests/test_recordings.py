@@ -1,12 +1,15 @@
 """The shared recordings, rendered elsewhere or filmed by strangers, against what is known of them."""
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from calibrate.rows import VELOCITIES
+from calibrate.shared import SOURCES
 from calibrate.trials import read_trials
 from experiments.experiment import read_experiment
 from experiments.process import measure, process
@@ -25,6 +28,20 @@ def assert_first_impact(row: dict[str, Any], truth_file: Path) -> None:
         assert row["lower_rebound_velocity"] == pytest.approx(event["v1"][1], rel=0.02)
         assert row["lower_rebound_velocity_sd"] > 0
     assert min(row["approach_velocity_sd"], row["upper_rebound_velocity_sd"]) > 0
+
+
+def pulls_of(row: dict[str, Any], truth_file: Path) -> Iterator[tuple[float, float]]:
+    """Errors over their standard deviations: the whole ones, and without scale, air, rate and gravity.
+
+    Those are known exactly of a rendered recording; only what is left can be seen in its errors.
+    """
+    event = json.loads(truth_file.read_text())["events"][row["impact"] - 1]
+    true = (event["v0"][0], event["v1"][0], event["v1"][-1] if row["kind"] == "two" else np.nan)
+    for name, value in zip(VELOCITIES, true, strict=True):
+        if np.isfinite(value):
+            error = row[name] - value
+            shared = sum(row[f"{name}_{source}"] ** 2 for source in SOURCES)
+            yield error / row[f"{name}_sd"], error / np.sqrt(row[f"{name}_sd"] ** 2 - shared)
 
 
 def assert_bounces(rows: list[dict[str, Any]]) -> None:
@@ -49,8 +66,14 @@ def test_every_first_impact_of_the_rendered_experiment_is_true(shared_data: Path
     folder = shared_data / "rendered" / "drops"
     trials = read_experiment(folder / "experiment.toml")
     done = list(process(trials, tmp_path, workers=2))
+    pulls = []
     for measured in done:
-        assert_first_impact(measured.rows[0], folder / f"{measured.trial.name}.json")
+        truth = folder / f"{measured.trial.name}.json"
+        assert_first_impact(measured.rows[0], truth)
+        pulls += [pull for row in measured.rows for pull in pulls_of(row, truth)]
+    whole, own = np.sqrt(np.mean(np.square(pulls), axis=0))
+    assert 0.7 < own < 1.3
+    assert whole < 1.3
     table = read_trials(tmp_path / "trials.csv")
     assert len(set(table["trial"])) == 12
     assert set(table.loc[table["trial"] == "two-10", "upper_mass"]) == {0.0054}

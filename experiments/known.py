@@ -1,0 +1,122 @@
+"""What is known of a trial besides its pictures, and how well: scale, air, rate, readout."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from experiments.trial import Body, Trial
+from tracking.budget import READOUT_SD, Budget
+from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
+from tracking.scale import (
+    Scale,
+    local_scale,
+    scale_from_ball,
+    scale_from_corners,
+    scale_from_metres_per_pixel,
+    scale_from_points,
+)
+from tracking.track import Track
+from tracking.video import Recording
+
+AIR = Air()
+LIGHT = 160.0  # kg/m³, twice the density of a ping-pong ball: air acts on it half as much
+SCALES_AGREE = 0.03  # two scales further apart mean that ball and ruler are not equally far away
+
+
+def given_scale(trial: Trial) -> Scale | None:
+    """Scale that does not need the ball; None if the ball is to tell it, which then has a diameter.
+
+    Raises
+    ------
+    ValueError
+        If nothing tells a scale.
+    """
+    told = dict(trial.camera.scale)
+    sd = told.pop("relative_sd", None)
+    scale = _scale_as_told(told)
+    if scale is None and trial.body("upper").diameter is None:
+        raise ValueError(
+            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
+            "--metres-per-pixel"
+        )
+    return scale if scale is None or sd is None else replace(scale, relative_sd=float(sd))
+
+
+def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
+    """Scale to use, the one given if there is one, and what to say about it.
+
+    Parameters
+    ----------
+    trial : Trial
+    ball : Track
+        The upper ball, px.
+    """
+    given, diameter = given_scale(trial), trial.body("upper").diameter
+    if given is None:
+        seen = scale_from_ball(ball, diameter or 0.0)
+        return seen, [f"scale: {seen.source}"]
+    if diameter is None:
+        return given, []
+    here = float(np.median(local_scale(given, ball.x, ball.y)))
+    larger = diameter / (2 * ball.radius) / here - 1
+    allowed = max(SCALES_AGREE, 2 * scale_from_ball(ball, diameter).relative_sd)
+    if abs(larger) <= allowed:
+        return given, []
+    where = "farther from the camera than" if larger > 0 else "nearer to the camera than"
+    return given, [
+        f"two scales differ by {abs(larger):.1%}: {given.source}, but the ball of {diameter * 1e3:g} mm is "
+        f"{2 * ball.radius:.1f} px wide; the ball seems to be {where} what gave the scale, or its diameter "
+        "is wrong"
+    ]
+
+
+def flight_of(ball: Body, track: Track) -> tuple[Flight, list[str]]:
+    """How a ball flies, through air if its mass is known, and what to say about it."""
+    if ball.mass is None:
+        remark = (
+            f"the {track.ball} ball's mass is not told, so air is left out: "
+            "a light ball's restitution reads low"
+        )
+        return Flight(gravity=STANDARD_GRAVITY), [remark]
+    return flight_of_ball(ball.mass, _radius(ball, track), AIR), []
+
+
+def budget_of(trial: Trial, balls: Sequence[Track], scale: Scale, recording: Recording) -> Budget:
+    """How well scale, rate, readout and air are known; `balls` in metres, upper first."""
+    upper = trial.body("upper")
+    radius = _radius(upper, balls[0])
+    light = flight_of_ball(LIGHT * 4 / 3 * math.pi * radius**3, radius, AIR)
+    return Budget(
+        drag=AIR.drag_coefficient_sd / AIR.drag_coefficient,
+        air=light if upper.mass is None else None,
+        scale=scale.relative_sd,
+        rate=recording.rate_sd,
+        readout=READOUT_SD * trial.camera.readout * _rows_a_metre(scale, recording),
+    )
+
+
+def _rows_a_metre(scale: Scale, recording: Recording) -> float:
+    """Share of the picture's rows in a metre downwards; 0 where rows stand upright, in a turned picture."""
+    height, width = recording.samples[0].shape[:2]
+    size = height * float(local_scale(scale, np.array([width / 2]), np.array([height / 2]))[0])
+    return float((1, 0, -1, 0)[recording.quarter_turns] / size)
+
+
+def _radius(ball: Body, track: Track) -> float:
+    """Radius as told, or as seen."""
+    return ball.diameter / 2 if ball.diameter else track.radius
+
+
+def _scale_as_told(told: Mapping[str, Any]) -> Scale | None:
+    """Scale from numbers, points or corners; None where there are none."""
+    if "metres_per_pixel" in told:
+        return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
+    if "points_px" in told:
+        first, second = told["points_px"]
+        return scale_from_points(first, second, float(told["distance"]))
+    if "corners_px" in told:
+        return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
+    return None
