@@ -9,10 +9,12 @@ import numpy as np
 
 from experiments.trial import Body, Trial
 from tracking.budget import READOUT_SD, Budget
+from tracking.depth import motion_in_depth, undone
 from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
 from tracking.scale import (
     Scale,
     local_scale,
+    rescaled,
     scale_from_ball,
     scale_from_corners,
     scale_from_metres_per_pixel,
@@ -22,7 +24,7 @@ from tracking.track import Track
 from tracking.video import Recording
 
 AIR = Air()
-LIGHT = 160.0  # kg/m³, twice the density of a ping-pong ball: air acts on it half as much
+LIGHTEST = 80.0  # kg/m³, a ping-pong ball: air acts less on anything else that people drop
 SCALES_AGREE = 0.03  # two scales further apart mean that ball and ruler are not equally far away
 
 
@@ -60,17 +62,33 @@ def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
         return seen, [f"scale: {seen.source}"]
     if diameter is None:
         return given, []
-    here = float(np.median(local_scale(given, ball.x, ball.y)))
-    larger = diameter / (2 * ball.radius) / here - 1
-    allowed = max(SCALES_AGREE, 2 * scale_from_ball(ball, diameter).relative_sd)
-    if abs(larger) <= allowed:
+    seen = scale_from_ball(ball, diameter)
+    larger = float(diameter / 2 / ball.radius / np.median(local_scale(given, ball.x, ball.y))) - 1
+    if abs(larger) <= max(SCALES_AGREE, 2 * float(np.hypot(seen.relative_sd, given.relative_sd))):
         return given, []
-    where = "farther from the camera than" if larger > 0 else "nearer to the camera than"
-    return given, [
-        f"two scales differ by {abs(larger):.1%}: {given.source}, but the ball of {diameter * 1e3:g} mm is "
-        f"{2 * ball.radius:.1f} px wide; the ball seems to be {where} what gave the scale, or its diameter "
-        "is wrong"
-    ]
+    where = "behind" if larger < 0 else "before"
+    remark = (
+        f"two scales differ by {abs(larger):.1%}: {given.source}, but {seen.source}: what gave the scale "
+        f"seems to be {where} the ball"
+    )
+    if "metres_per_pixel" in trial.camera.scale:
+        return given, [f"{remark}, or the diameter is wrong; check both"]
+    seen = replace(rescaled(given, 1 + larger), relative_sd=seen.relative_sd)
+    return seen, [f"{remark}; the ball's own size is used; put the ruler where the ball falls"]
+
+
+def without_depth(ball: Track, recording: Recording) -> tuple[Track, list[str]]:
+    """Undo a ball's motion towards the camera or away from it, and say so; `ball` in px."""
+    depth = motion_in_depth(ball)
+    if not depth.is_certain:
+        return ball, []
+    height, width = recording.samples[0].shape[:2]
+    verb, where = ("grows", "towards the camera") if depth.change > 0 else ("shrinks", "away from the camera")
+    remark = (
+        f"the {ball.ball} ball {verb} by {abs(depth.change):.1%} ± {depth.change_sd:.1%} along its path: it "
+        f"moves {where}; its velocities are corrected for that"
+    )
+    return undone(ball, depth, (width / 2, height / 2)), [remark]
 
 
 def flight_of(ball: Body, track: Track) -> tuple[Flight, list[str]]:
@@ -88,10 +106,10 @@ def budget_of(trial: Trial, balls: Sequence[Track], scale: Scale, recording: Rec
     """How well scale, rate, readout and air are known; `balls` in metres, upper first."""
     upper = trial.body("upper")
     radius = _radius(upper, balls[0])
-    light = flight_of_ball(LIGHT * 4 / 3 * math.pi * radius**3, radius, AIR)
+    lightest = flight_of_ball(LIGHTEST * 4 / 3 * math.pi * radius**3, radius, AIR)
     return Budget(
         drag=AIR.drag_coefficient_sd / AIR.drag_coefficient,
-        air=light if upper.mass is None else None,
+        air=lightest if upper.mass is None else None,
         scale=scale.relative_sd,
         rate=recording.rate_sd,
         readout=READOUT_SD * trial.camera.readout * _rows_a_metre(scale, recording),

@@ -16,7 +16,7 @@ from calibrate.rows import VELOCITIES, checked_row
 from calibrate.trials import check_trials, write_trials
 from experiments.doubt import find_doubt
 from experiments.experiment import ExperimentError
-from experiments.known import budget_of, chosen_scale, flight_of, given_scale
+from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
 from experiments.trial import Body, Trial
 from tracking.budget import Budget
 from tracking.errors import RecordingError
@@ -97,13 +97,13 @@ def _measure_into(measured: Measured) -> None:
     recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
     measured.remarks += recording.notes
     upper, lower = trial.body("upper"), trial.body("lower")
-    tracks = track_balls(
-        recording,
-        radius=_expected_radius(given_scale(trial), upper, recording),
-        lower=_lower_ratio(trial),
-    )
-    scale, remarks = chosen_scale(trial, tracks[0])
-    measured.remarks += remarks
+    expected = _expected_radius(given_scale(trial), upper, recording)
+    tracks = track_balls(recording, radius=expected, lower=_lower_ratio(trial))
+    if expected and abs(tracks[0].radius / expected - 1) > SCALES_AGREE:  # a ruler nearer or farther
+        tracks = track_balls(recording, lower=_lower_ratio(trial))
+    tracks[0], remarks = without_depth(tracks[0], recording)
+    scale, more_remarks = chosen_scale(trial, tracks[0])
+    measured.remarks += remarks + more_remarks
     timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
     measured.tracks = [to_metres(track, scale) for track in timed]
     known = [flight_of(body, track) for body, track in zip((upper, lower), measured.tracks, strict=False)]

@@ -19,7 +19,7 @@ Point = Sequence[float]
 CLICK_PX = 1.0  # how well a person marks a point
 GIVEN_SD = 0.003  # of a scale told as a number: two marks half a picture apart tell no better
 PLANE_SD = 0.005  # a ruler 1 cm behind the ball, seen from 2 m
-OUTLINE_PX = 0.2  # a rim found by its steepest gradient lies this far inside or outside the ball's
+OUTLINE_PX = 0.3  # a rim found by its steepest gradient lies this far inside or outside the ball's
 DIAMETER_SD = 0.005  # of a ball's nominal diameter: the rules of table tennis allow ± 1 %
 
 
@@ -124,6 +124,11 @@ def scale_from_corners(corners: Sequence[Point], width: float, height: float) ->
         relative_sd=_marked(side),
         source=f"four corners of {width:g} m x {height:g} m",
     )
+
+
+def rescaled(scale: Scale, factor: float) -> Scale:
+    """Give all lengths `factor` times as long."""
+    return replace(scale, matrix=np.diag([factor, factor, 1.0]) @ scale.matrix)
 
 
 def to_metres(track: Track, scale: Scale) -> Track:

@@ -1,7 +1,7 @@
 """Images → one `Track` per ball, in pixels."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,7 @@ class Track:
     `x`, `y`, their standard deviations and `radius` are in pixels with y down (`unit` "px") as they come
     from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`. So is `shared_sd`: an error
     of the centre that no rim shows, shared by frames in which the ball stands before the same background.
+    `sizes` (px always) is the radius seen in each frame by itself; empty where it was not asked for.
     """
 
     ball: str
@@ -46,6 +47,7 @@ class Track:
     radius: float
     radius_sd: float
     shared_sd: float = 0.0
+    sizes: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(slots=True)
@@ -216,6 +218,7 @@ def _as_track(ball: str, sightings: list[_Sighting], recording: Recording) -> Tr
         radius=radius,
         radius_sd=radius_sd,
         shared_sd=SHARED_PX,
+        sizes=np.array([s.circle.radius for s, _ in seen]),
     )
 
 
