@@ -23,6 +23,7 @@ from tracking.errors import RecordingError
 from tracking.flight import Flight
 from tracking.scale import Scale, local_scale, to_metres
 from tracking.shutter import with_row_times
+from tracking.steady import steadied
 from tracking.track import Track, track_balls
 from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
 from tracking.video import Recording, open_recording
@@ -94,7 +95,7 @@ def _measure_into(measured: Measured) -> None:
         raise ValueError(
             f"{trial.video.name}: kind {trial.kind!r} cannot be measured yet; plate, held and two can"
         )
-    recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
+    recording = steadied(open_recording(trial.video, capture_fps=trial.camera.capture_fps))
     measured.remarks += recording.notes
     upper, lower = trial.body("upper"), trial.body("lower")
     expected = _expected_radius(given_scale(trial), upper, recording)

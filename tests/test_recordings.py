@@ -110,3 +110,14 @@ def test_ruler_behind_the_ball_is_noticed_and_the_ball_believed(shared_data: Pat
     assert_bounces(measured.rows)
     assert [row["gravity_check"] for row in measured.rows] == pytest.approx(np.ones(6), abs=0.05)
     assert any(re.search("two scales differ by .* behind the ball", remark) for remark in measured.remarks)
+
+
+@pytest.mark.slow
+def test_film_from_a_hand_bounces_as_its_maker_says(shared_data: Path) -> None:
+    video = shared_data / "real" / "redball-120fps-tagged-30.mp4"
+    measured = measure(Trial(name="red", video=video, kind="plate", bodies={"upper": Body(diameter=0.04)}))
+    first = measured.rows[0]
+    assert first["status"] == "ok"
+    assert 0.45 < -first["upper_rebound_velocity"] / first["approach_velocity"] < 0.56
+    assert abs(first["gravity_check"] - 1) < 2 * first["gravity_check_sd"]
+    assert any(remark.startswith("the camera drifts by up to 1") for remark in measured.remarks)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -42,6 +43,9 @@ class Recording:
         Counter-clockwise turns that made the stored pictures upright, 0 to 3.
     notes : tuple of str
         What was found out or assumed, for the person who made the recording.
+    drift : (n, 2, 3) array, optional
+        Affine map from where the background belongs to where a camera that drifts shows it, for each stored
+        frame; frames are given with it undone. None for a camera that stands still.
     """
 
     path: Path
@@ -52,8 +56,18 @@ class Recording:
     rate_sd: float = CLOCK_SD
     quarter_turns: int = 0
     notes: tuple[str, ...] = ()
+    drift: FloatArray | None = None
 
     @property
     def bytes(self) -> int:
         """Memory that all genuine frames take together."""
         return int(self.genuine.sum()) * self.samples[0].nbytes
+
+
+def held_still(picture: Image, motion: FloatArray) -> Image:
+    """Undo the motion of a camera, a (2, 3) affine map, in one picture."""
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    size = (picture.shape[1], picture.shape[0])
+    return np.asarray(
+        cv2.warpAffine(picture, motion, size, flags=flags, borderMode=cv2.BORDER_REPLICATE), dtype=np.uint8
+    )

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from tracking import stamps
 from tracking.errors import RecordingError
-from tracking.recording import Frame, Image, Recording
+from tracking.recording import Frame, Image, Recording, held_still
 
 __all__ = ["Frame", "Recording", "open_recording", "read_frames"]
 
@@ -87,7 +87,10 @@ def read_frames(recording: Recording) -> Iterator[Frame]:
         pictures = container.decode(container.streams.video[0])
         for index, (time, picture) in enumerate(zip(recording.times, pictures, strict=False)):
             if recording.genuine[index]:
-                yield Frame(index=index, time=float(time), image=_upright(picture, stretch))
+                image = _upright(picture, stretch)
+                if recording.drift is not None:
+                    image = held_still(image, recording.drift[index])
+                yield Frame(index=index, time=float(time), image=image)
 
 
 @dataclass(slots=True, kw_only=True)
