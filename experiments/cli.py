@@ -47,7 +47,7 @@ def demo(
     films = film(out / "recordings", seed=seed, workers=cores() if workers is None else workers, truth=truth)
     for _ in console.progress(films, recordings(), "filming", quiet=quiet):
         pass
-    measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet)
+    measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet, overlays=False)
     typer.echo("")
     calibration = calibrated([out / "trials.csv"], out, {})
     typer.echo("\n" + fitted_against_truth(calibration, truth))
@@ -62,7 +62,9 @@ def process(
         list[Path], typer.Argument(help="experiment.toml, videos, or folders of either.", metavar="SOURCE...")
     ],
     out: Out = Path("out"),
-    kind: Annotated[str | None, typer.Option(help="What bare videos show: plate, held or two.")] = None,
+    kind: Annotated[
+        str | None, typer.Option(help="What bare videos show: plate, held, two, shot or pair.")
+    ] = None,
     ball_diameter: Annotated[float | None, typer.Option(help="Of the balls in bare videos, m.")] = None,
     ball_mass: Annotated[
         float | None, typer.Option(help="Of the balls in bare videos, kg; without it air is left out.")
@@ -74,10 +76,11 @@ def process(
         float | None, typer.Option(help="Frames captured a second, if the file does not tell.")
     ] = None,
     readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
+    overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
     workers: Annotated[int | None, typer.Option(help="Processes side by side; all cores without it.")] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Measure recordings: velocities before and after each impact, into trials.csv and tracks/."""
+    """Measure recordings: velocities before and after each impact, into trials.csv, tracks/, overlays/."""
     from experiments.experiment import collect_trials
     from experiments.trial import Body, Camera
 
@@ -86,10 +89,10 @@ def process(
     trials = collect_trials(
         sources,
         kind=kind,
-        bodies={"upper": ball, "lower": ball},
+        bodies=dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), ball),
         camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
     )
-    if measure(trials, out, workers, quiet):
+    if measure(trials, out, workers, quiet, overlays=overlays):
         raise typer.Exit(SOME_FAILED)
 
 
@@ -133,16 +136,32 @@ def figures(
         typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 
 
-def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool) -> int:
+@app.command(epilog="Example: impactlab bench")
+@verb
+def bench() -> None:
+    """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
+    from experiments import bench as benches
+
+    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here\n")
+    for title, rows in (
+        ("engine", benches.engine()),
+        ("compilation", benches.compilation()),
+        ("calibration", benches.calibration()),
+    ):
+        typer.echo(benches.table(title, rows) + "\n")
+
+
+def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
     """Process trials, print a line an impact; give the number of trials that failed."""
     from experiments import console
     from experiments.process import process as process_trials
 
-    headline, width = console.header(trial.name for trial in trials)
-    typer.echo(headline)
-    failed = 0
-    done = process_trials(trials, out, workers=cores() if workers is None else workers)
+    width, headline, failed = console.name_width(trial.name for trial in trials), "", 0
+    workers = cores() if workers is None else workers
+    done = process_trials(trials, out, workers=workers, overlays=overlays)
     for measured in console.progress(done, len(trials), "measuring", quiet=quiet):
+        if headline != (headline := console.headline(measured.trial.kind, width)):
+            typer.echo(headline)
         for line in console.impact_lines(measured, width):
             typer.echo(line)
         for line in () if quiet else console.complaints(measured):

@@ -1,19 +1,29 @@
 """What a person at a terminal sees while recordings are processed: progress, remarks, one line an impact."""
 
 import sys
-from collections.abc import Iterable, Iterator
-from typing import TypeVar
+from collections.abc import Iterable, Iterator, Mapping
+from math import atan2, degrees, hypot
+from typing import Any, TypeVar
 
-from experiments.process import Measured
+from experiments.measured import Measured
 
 Item = TypeVar("Item")
+Row = Mapping[str, Any]
+
+DROP_HEADS = ("before m/s", "after m/s", "lower m/s", "gravity")
+SHOT_HEADS = ("speed", "direction", "spin x", "spin y", "friction", "unit")
+PAIR_HEADS = ("striker", "after", "struck", "after", "restit.", "gap %", "unit")
 
 
-def header(names: Iterable[str]) -> tuple[str, int]:
-    """Headline of the table of impacts, and the width of its first column."""
-    width = max(map(len, (*names, "trial")))
-    columns = f"{'kind':<6} {'n':>2}  {'before':>9} {'after':>9} {'lower':>9}  {'gravity':>7}  status"
-    return f"{'trial':<{width}}  {columns}", width
+def headline(kind: str, width: int) -> str:
+    """Headline of the lines of one kind of trial, which begin with a name `width` wide."""
+    heads = {"shot": SHOT_HEADS, "pair": PAIR_HEADS}.get(kind, DROP_HEADS)
+    return f"{'trial':<{width}}  {'kind':<6} {'n':>2}  {_columns(heads)}  status"
+
+
+def name_width(names: Iterable[str]) -> int:
+    """Width of the first column."""
+    return max(map(len, (*names, "trial")))
 
 
 def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> Iterator[Item]:
@@ -28,13 +38,12 @@ def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> It
 
 
 def impact_lines(measured: Measured, width: int) -> Iterator[str]:
-    """Give one line for each impact of a trial: velocities in m/s, gravity check, status."""
+    """Give one line for each impact of a trial, in the columns of its kind's `headline`."""
+    trial = measured.trial
+    columns = {"shot": _shot_columns, "pair": _pair_columns}.get(trial.kind, _drop_columns)
     for row in measured.rows:
-        names = ("approach", "upper_rebound", "lower_rebound")
-        velocities = " ".join(f"{_number(row.get(f'{name}_velocity')):>9}" for name in names)
-        trial, check = measured.trial, _number(row.get("gravity_check"))
         start = f"{trial.name:<{width}}  {trial.kind:<6} {row['impact']:>2}"
-        yield f"{start}  {velocities}  {check:>7}  {row['status']}"
+        yield f"{start}  {_columns(columns(row))}  {row['status']}"
 
 
 def complaints(measured: Measured) -> Iterator[str]:
@@ -45,6 +54,47 @@ def complaints(measured: Measured) -> Iterator[str]:
             yield f"{measured.trial.name}, impact {row['impact']}: {row['status']}: {row['reason']}"
 
 
-def _number(value: float | None) -> str:
+def _drop_columns(row: Row) -> list[str]:
+    """Velocities, and gravity as a check."""
+    names = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity", "gravity_check")
+    return [_number(row.get(name)) for name in names]
+
+
+def _shot_columns(row: Row) -> list[str]:
+    """Launch as speed and direction (degrees from x to y), spin in rad/s, friction of the cloth."""
+    speed, direction = _polar(row, "velocity")
+    spin = [_number(row.get(f"angular_velocity_{axis}"), 2) for axis in "xy"]
+    return [speed, direction, *spin, _number(row.get("friction")), _per_second(row)]
+
+
+def _pair_columns(row: Row) -> list[str]:
+    """Speeds of both discs before and after, restitution, change of momentum."""
+    names = ("striker_before", "striker_after", "struck_before", "struck_after")
+    gap = None
+    if "momentum_gap_along" in row:
+        gap = 100 * hypot(row["momentum_gap_along"], row["momentum_gap_across"])
+    speeds = [_polar(row, name)[0] for name in names]
+    return [*speeds, _number(row.get("restitution")), _number(gap, 2), _per_second(row)]
+
+
+def _polar(row: Row, name: str) -> tuple[str, str]:
+    """Size and direction in degrees of a vector NAME_x, NAME_y."""
+    if f"{name}_x" not in row:
+        return "", ""
+    x, y = row[f"{name}_x"], row[f"{name}_y"]
+    return _number(hypot(x, y), 4 if row["unit"] == "m" else 1), f"{degrees(atan2(y, x)):.2f}°"
+
+
+def _per_second(row: Row) -> str:
+    """Give the unit of the velocities."""
+    return f"{row['unit']}/s" if "unit" in row else ""
+
+
+def _columns(texts: Iterable[str]) -> str:
+    """Right-aligned columns."""
+    return " ".join(f"{text:>10}" for text in texts)
+
+
+def _number(value: float | None, places: int = 4) -> str:
     """Four decimals are more than a camera tells; nothing where nothing was measured."""
-    return "" if value is None or value != value else f"{value:.4f}"
+    return "" if value is None or value != value else f"{value:.{places}f}"

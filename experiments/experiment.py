@@ -12,7 +12,7 @@ from experiments.trial import Body, Camera, Trial
 
 __all__ = ["Body", "Camera", "ExperimentError", "Trial", "collect_trials", "read_experiment"]
 
-BODIES = ("upper", "lower", "ball", "cue")
+BODIES = ("upper", "lower", "ball", "cue", "striker", "struck")
 VIDEO_SUFFIXES = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".3gp", ".wmv"}
 
 
@@ -94,7 +94,7 @@ def _trial(entry: Any, common: tuple[Mapping[str, Body], Camera], path: Path, pl
     """Check one [[trial]] and give it what the whole experiment shares."""
     bodies, camera = common
     camera_keys = {f.name for f in fields(Camera)}
-    _only(entry, {"video", "kind", "name", *BODIES, *camera_keys}, place)
+    _only(entry, {"video", "kind", "name", "start_px", *BODIES, *camera_keys}, place)
     for key in ("video", "kind", "name"):
         if not isinstance(entry.get(key, "" if key == "name" else None), str):
             raise ExperimentError(f"{place}: {key} must be given as text, got {shown(entry.get(key))}")
@@ -113,6 +113,7 @@ def _trial(entry: Any, common: tuple[Mapping[str, Body], Camera], path: Path, pl
             kind=entry["kind"],
             bodies=merged,
             camera=replace(camera, **changes),
+            start_px=entry.get("start_px"),
         )
     except (TypeError, ValueError) as error:
         raise ExperimentError(f"{place}: {error}") from error
@@ -164,7 +165,8 @@ def _bare(video: Path, kind: str | None, bodies: Mapping[str, Body], camera: Cam
     if kind is None:
         raise ExperimentError(
             f"{video.name}: say what it shows with --kind: plate (a ball on the plate), "
-            "held (on a ball held still), two (on a ball at rest)"
+            "held (on a ball held still), two (on a ball at rest), shot (a cue ball struck), "
+            "pair (two discs or balls that meet)"
         )
     try:
         return Trial(name=video.stem, video=video, kind=kind, bodies=bodies, camera=camera)

@@ -1,25 +1,17 @@
 """What is known of a trial besides its pictures, and how well: scale, air, rate, readout."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from experiments.scales import told_scale
 from experiments.trial import Body, Trial
 from tracking.budget import READOUT_SD, Budget
 from tracking.depth import motion_in_depth, undone
 from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball
-from tracking.scale import (
-    Scale,
-    local_scale,
-    rescaled,
-    scale_from_ball,
-    scale_from_corners,
-    scale_from_metres_per_pixel,
-    scale_from_points,
-)
+from tracking.scale import Scale, local_scale, rescaled, scale_from_ball
 from tracking.track import Track
 from tracking.video import Recording
 
@@ -36,15 +28,13 @@ def given_scale(trial: Trial) -> Scale | None:
     ValueError
         If nothing tells a scale.
     """
-    told = dict(trial.camera.scale)
-    sd = told.pop("relative_sd", None)
-    scale = _scale_as_told(told)
+    scale = told_scale(trial)
     if scale is None and trial.body("upper").diameter is None:
         raise ValueError(
             f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
             "--metres-per-pixel"
         )
-    return scale if scale is None or sd is None else replace(scale, relative_sd=float(sd))
+    return scale
 
 
 def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
@@ -126,15 +116,3 @@ def _rows_a_metre(scale: Scale, recording: Recording) -> float:
 def _radius(ball: Body, track: Track) -> float:
     """Radius as told, or as seen."""
     return ball.diameter / 2 if ball.diameter else track.radius
-
-
-def _scale_as_told(told: Mapping[str, Any]) -> Scale | None:
-    """Scale from numbers, points or corners; None where there are none."""
-    if "metres_per_pixel" in told:
-        return scale_from_metres_per_pixel(float(told["metres_per_pixel"]))
-    if "points_px" in told:
-        first, second = told["points_px"]
-        return scale_from_points(first, second, float(told["distance"]))
-    if "corners_px" in told:
-        return scale_from_corners(told["corners_px"], float(told["width"]), float(told["height"]))
-    return None

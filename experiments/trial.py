@@ -116,14 +116,16 @@ class Trial:
         What it shows: a ball on the plate, on a ball held still, on a ball at rest; a cue ball struck; two
         bodies that meet in free motion.
     bodies : mapping of str to Body
-        By name: upper, lower, ball, cue.
+        By name: upper and lower of a drop, ball and cue of a shot, striker and struck of a pair.
     camera : Camera
         How it was filmed.
+    start_px : two floats or None
+        Where the cue ball of a shot rests (x, y in px), if several balls start to move.
 
     Raises
     ------
     ValueError
-        If the kind is unknown, or the name cannot be that of a file.
+        If the kind is unknown, the name cannot be that of a file, or `start_px` is no point of a shot.
     """
 
     name: str
@@ -131,6 +133,7 @@ class Trial:
     kind: str
     bodies: Mapping[str, Body] = field(default_factory=dict)
     camera: Camera = field(default_factory=Camera)
+    start_px: Sequence[float] | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -141,6 +144,11 @@ class Trial:
                 f"name must be that of a file (no folder, none of / \\ :, at most {LONGEST_NAME} bytes), "
                 f"got {shown(self.name)}"
             )
+        if self.start_px is not None:
+            if not _is_point(self.start_px):
+                raise ValueError(f"start_px must be a point [x, y] in pixels, got {shown(self.start_px)}")
+            if self.kind != "shot":
+                raise ValueError(f"start_px is for trials of kind 'shot', got kind {self.kind!r}")
 
     def body(self, name: str) -> Body:
         """Give a body, unknown in everything if it was not told."""
@@ -156,8 +164,9 @@ def _check_scale(scale: Any) -> None:
         raise ValueError(f"scale must have {ways}, got the keys {', '.join(sorted(scale))}")
     for name, value in scale.items():
         if name == "ball_diameter":
-            if value not in ("upper", "ball"):
-                raise ValueError(f"scale: ball_diameter must name the ball 'upper', got {shown(value)}")
+            if value not in ("upper", "ball", "striker"):
+                names = "'upper', 'ball' or 'striker'"
+                raise ValueError(f"scale: ball_diameter must name the ball {names}, got {shown(value)}")
         elif name in POINTS:
             _check_points(name, value)
         elif name == "relative_sd":

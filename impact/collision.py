@@ -128,7 +128,7 @@ class Collision:
     @property
     def energy_borrowed(self) -> float:
         """Energy that Poisson's law took without its being stored, J; zero under the energy law."""
-        return float(-np.minimum(self.energy_dropped, 0.0).sum())
+        return float(np.maximum(-self.energy_dropped, 0.0).sum())
 
     @property
     def segments(self) -> tuple[Segment, ...]:

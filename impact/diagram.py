@@ -30,8 +30,8 @@ from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
 FINISHED, EXHAUSTED, STALLED = 0, 1, 2
-MOST_IDLE = 1000
-"""Events in a row without any impulse, after which a run is given up."""
+MOST_ROUNDS = 10_000
+"""Events in one state, after which a run is given up."""
 REASONS = {EXHAUSTED: f"more than {MOST_STATES} states", STALLED: "a state that does not end"}
 
 Outcome = TypeVar("Outcome", covariant=True)
@@ -50,26 +50,17 @@ class Scene(Protocol[Outcome]):
 @merged
 def follow_diagram(core: Core, record: Record, most_states: int) -> int:
     """Run a collision from first contact to last; say how it ended."""
-    idle = 0
+    state, rounds = 0, 0
     while engage(core):
-        if record.counts[STATES] >= most_states:
+        rounds = 0 if record.counts[STATES] > state else rounds + 1
+        state = record.counts[STATES]
+        if state >= most_states:
             return EXHAUSTED
         open_state(core, record)
-        before = total_impulse(core)
-        if idle > MOST_IDLE or not evolve(core, record):
+        if rounds > MOST_ROUNDS or not evolve(core, record):
             return STALLED
-        idle = 0 if total_impulse(core) > before else idle + 1
         transition(core, record)
     return FINISHED
-
-
-@merged
-def total_impulse(core: Core) -> float:
-    """Sum of the normal impulses, which grows as long as anything happens."""
-    total = 0.0
-    for index in range(core.contacts.size):
-        total += core.contacts[index].impulse[0]
-    return total
 
 
 @compiled_entry
@@ -98,7 +89,8 @@ def collide(
     law : RestitutionLaw
         When a contact ends: by energy (the paper's law) or by Poisson's impulses.
     rtol : float
-        Error allowed in one step, relative to the fastest approach, within [1e-14, 1e-3].
+        Error allowed in one step, relative to the fastest approach, within [1e-14, 1e-3]; the outcome is
+        about a hundred times less exact where friction stops a slide.
 
     Returns
     -------

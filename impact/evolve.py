@@ -46,10 +46,8 @@ def evolve(core: Core, record: Record) -> bool:
         event = first_event(core, step, parts)
         note_path(core, record, min(step, event), parts)
         absorb(core, min(step, event))
-        if event <= step:
+        if event <= step or (core.rows > 1 and not turn_directions(core)):
             return True
-        if core.rows > 1:
-            turn_directions(core)
     return False
 
 

@@ -58,7 +58,8 @@ def friction_terms(core: Core, order: int) -> None:
             break
     for index in range(core.contacts.size):
         contact = core.contacts[index]
-        contact.slips[HEAT, order + 1] = -_power_of_friction(contact, order) / (order + 1)
+        if contact.phase != INACTIVE and contact.mode in (STARTING, SLIDING):
+            contact.slips[HEAT, order + 1] = -_power_of_friction(contact, order) / (order + 1)
 
 
 @compiled
@@ -77,28 +78,31 @@ def _direction_term(contact: Contact, order: int) -> None:
         for lower in range(1, order + 1):
             total += (0.5 * lower - order) * slip[SQUARE, lower] * slip[INVERSE, order - lower]
         slip[INVERSE, order] = total / (order * slip[SQUARE, 0])
+    along_1, along_2 = 0.0, 0.0
     for lower in range(order + 1):
-        slip[DIRECTION_1, order] += first[lower] * slip[INVERSE, order - lower]
-        slip[DIRECTION_2, order] += second[lower] * slip[INVERSE, order - lower]
+        along_1 += first[lower] * slip[INVERSE, order - lower]
+        along_2 += second[lower] * slip[INVERSE, order - lower]
+    slip[DIRECTION_1, order], slip[DIRECTION_2, order] = along_1, along_2
 
 
 @compiled
 def _sliding_term(contact: Contact, order: int) -> None:
     """Write one term of ``-μ (dp_n/dσ) û_t``."""
     slip, forces = contact.slips, contact.forces
+    along_1, along_2 = 0.0, 0.0
     for lower in range(order + 1):
-        force = contact.friction * forces[0, lower]
-        forces[1, order] -= force * slip[DIRECTION_1, order - lower]
-        forces[2, order] -= force * slip[DIRECTION_2, order - lower]
+        along_1 += forces[0, lower] * slip[DIRECTION_1, order - lower]
+        along_2 += forces[0, lower] * slip[DIRECTION_2, order - lower]
+    forces[1, order], forces[2, order] = -contact.friction * along_1, -contact.friction * along_2
 
 
 @compiled
 def _power_of_friction(contact: Contact, order: int) -> float:
-    total = 0.0
-    for axis in range(1, 3):
-        for lower in range(order + 1):
-            total += contact.velocities[axis, lower] * contact.forces[axis, order - lower]
-    return total
+    first, second = 0.0, 0.0
+    for lower in range(order + 1):
+        first += contact.velocities[1, lower] * contact.forces[1, order - lower]
+        second += contact.velocities[2, lower] * contact.forces[2, order - lower]
+    return first + second
 
 
 @inlined
@@ -110,19 +114,25 @@ def slip_along(contact: Contact, time: float) -> float:
 
 
 @compiled
-def turn_directions(core: Core) -> None:
-    """Note the present direction of every slide; one that had just started is now a slide like any other."""
+def turn_directions(core: Core) -> bool:
+    """Note the present direction of every slide; one that had just started is now a slide like any other.
+
+    False if a slide that started is too slow for that: it may have stopped at once, so it must be looked at
+    again.
+    """
+    all_slide = True
     for index in range(core.contacts.size):
         contact = core.contacts[index]
+        if contact.phase == INACTIVE or contact.mode not in (STARTING, SLIDING):
+            continue
         slip = math.hypot(contact.velocity[1], contact.velocity[2])
-        if (
-            contact.phase != INACTIVE
-            and contact.mode in (STARTING, SLIDING)
-            and slip > STOPPED * contact.slowest
-        ):
+        if slip > STOPPED * contact.slowest:
             contact.mode = SLIDING
             contact.direction_1 = contact.velocity[1] / slip
             contact.direction_2 = contact.velocity[2] / slip
+        elif contact.mode == STARTING:
+            all_slide = False
+    return all_slide
 
 
 @compiled

@@ -153,9 +153,10 @@ def acceleration(core: Core, row: int, order: int) -> float:
     column = 0
     for index in range(core.contacts.size):
         contact = core.contacts[index]
-        for axis in range(core.rows):
-            total += core.delassus[row, column] * contact.forces[axis, order]
-            column += 1
+        if contact.phase != INACTIVE:
+            for axis in range(core.rows):
+                total += core.delassus[row, column + axis] * contact.forces[axis, order]
+        column += core.rows
     return total
 
 

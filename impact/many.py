@@ -11,7 +11,7 @@ from typing import overload
 import numpy as np
 import numpy.typing as npt
 
-from impact._checks import Array, require_within
+from impact._checks import Array, require_at_least, require_within
 from impact.batches import Batch, drop_batch, shot_batch
 from impact.collision import ConvergenceError
 from impact.contact import RestitutionLaw
@@ -71,6 +71,7 @@ def collide_many(
     *,
     law: RestitutionLaw = ...,
     rtol: float = ...,
+    threads: int | None = ...,
     **parameters: npt.ArrayLike,
 ) -> ManyDrops: ...
 
@@ -81,6 +82,7 @@ def collide_many(
     *,
     law: RestitutionLaw = ...,
     rtol: float = ...,
+    threads: int | None = ...,
     **parameters: npt.ArrayLike,
 ) -> ManyShots: ...
 
@@ -90,6 +92,7 @@ def collide_many(
     *,
     law: RestitutionLaw = RestitutionLaw.ENERGY,
     rtol: float = 1e-13,
+    threads: int | None = None,
     **parameters: npt.ArrayLike,
 ) -> ManyDrops | ManyShots:
     """Run one scene for arrays of parameters.
@@ -100,6 +103,8 @@ def collide_many(
         Gives every value that is not varied.
     law, rtol
         As in `collide`.
+    threads : int, optional
+        How many work side by side; as many as there are processors without it.
     **parameters : float, (N,) array, or (N, 3) array for vectors
         Values to vary, broadcast against each other. For drops: `upper_mass`, `lower_mass`,
         `ball_ball_restitution`, `ball_table_restitution`, `ball_ball_exponent`, `ball_table_exponent`,
@@ -135,12 +140,14 @@ def collide_many(
     ('S1', 'S3', 'S1', 'S2')
     """
     require_within("rtol", rtol, 1e-14, 1e-3)
+    threads = PROCESSORS if threads is None else threads
+    require_at_least("threads", threads, 1)
     result: ManyDrops | ManyShots
     if isinstance(template, TwoBallDrop):
-        velocities, states, stuck = _solve(drop_batch(template, parameters), law, rtol)
+        velocities, states, stuck = _solve(drop_batch(template, parameters), (law, rtol, threads))
         result = ManyDrops(velocities=velocities, states=states)
     else:
-        velocities, states, stuck = _solve(shot_batch(template, parameters), law, rtol)
+        velocities, states, stuck = _solve(shot_batch(template, parameters), (law, rtol, threads))
         result = ManyShots(
             cue_speed=velocities[:, 0],
             velocity=velocities[:, 1:4],
@@ -153,9 +160,10 @@ def collide_many(
 
 
 def _solve(
-    batch: Batch, law: RestitutionLaw, tolerance: float
+    batch: Batch, how: tuple[RestitutionLaw, float, int]
 ) -> tuple[Array, Sequence[tuple[str, ...]], npt.NDArray[np.int64]]:
     """Run every row; give velocities after, names of states, and the rows that did not end."""
+    law, tolerance, threads = how
     count, degrees = batch.velocity.shape
     jacobian = batch.jacobian.reshape(len(batch.jacobian), -1, degrees)
     weighted = jacobian * batch.inverse_mass[:, np.newaxis, :]
@@ -165,7 +173,7 @@ def _solve(
     while True:
         tasks = new_tasks(batch.contacts, delassus, approach, law, tolerance)
         records = new_records(count, 2, approach.shape[1], room)
-        _run_in_threads(tasks, records)
+        _run_in_threads(tasks, records, threads)
         needed = room_needed(records, room)
         if needed == room:
             break
@@ -174,14 +182,14 @@ def _solve(
     return velocities, tuple(_name_states(records)), np.flatnonzero(tasks.status != FINISHED)
 
 
-def _run_in_threads(tasks: Tasks, records: Record) -> None:
-    """Share the rows out among all processors; the compiled run holds no lock."""
+def _run_in_threads(tasks: Tasks, records: Record, threads: int) -> None:
+    """Share the rows out among threads; the compiled run holds no lock."""
     count = len(tasks.status)
-    share = max(ROWS_AT_LEAST, count // (8 * PROCESSORS) + 1)
-    if count <= share:
+    share = max(ROWS_AT_LEAST, count // (8 * threads) + 1)
+    if count <= share or threads == 1:
         run(tasks, records, new_core(tasks), 0, count)
         return
-    with ThreadPoolExecutor(PROCESSORS) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         shares = [
             pool.submit(run, tasks, records, new_core(tasks), first, min(first + share, count))
             for first in range(0, count, share)

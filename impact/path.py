@@ -82,12 +82,13 @@ class Path:
 
     def position(self, times: npt.ArrayLike) -> Array:
         """Position of the centre at the given times, m, shape (N, 3); after the end the ball stays."""
-        return np.array([self._state_at(float(time))[0] for time in np.atleast_1d(times)])
-
-    def _state_at(self, time: float) -> tuple[Array, Array, Array]:
         if not self.stretches:
             raise ValueError("a ball that never moved has no path")
-        for stretch in self.stretches:
-            if time <= stretch.end:
-                return stretch.state_at(max(time, stretch.start))
-        return self.stretches[-1].state_at(self.duration)
+        within = np.clip(np.atleast_1d(times), self.stretches[0].start, self.duration)
+        indices = np.searchsorted([stretch.end for stretch in self.stretches], within)
+        return np.array(
+            [
+                self.stretches[index].state_at(time)[0]
+                for index, time in zip(indices.tolist(), within.tolist(), strict=True)
+            ]
+        )

@@ -48,7 +48,7 @@ def new_records(collisions: int, contacts: int, size: int, room: Room) -> Record
 
 def room_needed(records: Record, room: Room) -> Room:
     """Room that would have held everything; what was not wanted at all stays so."""
-    states, samples, events, _ = records.counts.max(axis=0).tolist()
+    states, samples, events, _ = records.counts.max(axis=0, initial=0).tolist()
     return Room(
         max(room.states, states + 1),
         max(room.events, events) if room.events else 0,

@@ -85,6 +85,11 @@ def roll(
     Path
         With the time and place of each change.
 
+    Raises
+    ------
+    ValueError
+        If a vector has another shape, the ball starts below the table, or it would bounce for ever.
+
     Examples
     --------
     A ball struck through its centre slides, and rolls at 5/7 of its speed:
@@ -104,10 +109,13 @@ def roll(
         as_array("angular_velocity", angular_velocity, (3,)),
     )
     require_nonnegative("height", float(state[0][2]))
+    landing = math.sqrt(float(state[1][2]) ** 2 + 2.0 * cloth.gravity * float(state[0][2]))
+    if landing > cloth.smallest_bounce and cloth.restitution == 1.0:
+        raise ValueError("restitution must be below 1 where the ball leaves the table: it would never rest")
     stretches: list[Stretch] = []
     while True:
         time = stretches[-1].end if stretches else 0.0
-        if state[0][2] <= STILL and state[1][2] < 0.0:
+        if state[0][2] <= STILL and state[1][2] < -STILL:
             state = (state[0] * (1.0, 1.0, 0.0), *_bounce(ball, cloth, state[1], state[2]))
         stretch = _next_stretch(ball, cloth, time, state)
         if stretch is None:
@@ -128,7 +136,7 @@ def slip_velocity(ball: Ball, velocity: Array, angular_velocity: Array) -> Array
 
 def _next_stretch(ball: Ball, cloth: Cloth, time: float, state: State) -> Stretch | None:
     position, velocity, spin = state
-    if position[2] > STILL or velocity[2] > 0.0:
+    if position[2] > STILL or velocity[2] > STILL:
         rise = float(velocity[2])
         lasts = (rise + math.sqrt(rise**2 + 2.0 * cloth.gravity * float(position[2]))) / cloth.gravity
         return _stretch(Motion.FLYING, time, lasts, state, acceleration=-cloth.gravity * UP)

@@ -30,10 +30,11 @@ def starting_term(core: Core, index: int, order: int) -> float:
     elif contact.onset >= 0:
         _later_direction(core, index, order)
     if contact.onset >= 0:
+        along_1, along_2 = 0.0, 0.0
         for lower in range(contact.onset, order + 1):
-            force = contact.friction * forces[0, lower]
-            forces[1, order] -= force * slip[DIRECTION_1, order - lower]
-            forces[2, order] -= force * slip[DIRECTION_2, order - lower]
+            along_1 += forces[0, lower] * slip[DIRECTION_1, order - lower]
+            along_2 += forces[0, lower] * slip[DIRECTION_2, order - lower]
+        forces[1, order], forces[2, order] = -contact.friction * along_1, -contact.friction * along_2
     return math.hypot(forces[1, order] - before_1, forces[2, order] - before_2)
 
 

@@ -12,12 +12,29 @@ from tracking.encode import write_video
 WIDTH, HEIGHT, RADIUS_PX = 320, 160, 9
 BOARD, WHITE = (40, 60, 90), (220, 225, 230)
 FINER = 4
+SPEED, SLOWING, RESTITUTION = 3.0, 0.02, 0.9  # px/frame, px/frame²
+IMPACT_FRAME = 30
 
 
 def film(path: Path, discs: Sequence[NDArray[np.float64]]) -> Path:
     """Film discs at these places, an array (frames, 2) in px for each disc, 240 frames a second."""
     write_video(path, _pictures(discs), 240, crf=18, preset="ultrafast")
     return path
+
+
+def film_impact(path: Path) -> Path:
+    """Film a disc that meets an equal one at rest, head-on, in IMPACT_FRAME."""
+    since = np.arange(-IMPACT_FRAME, 30)
+    after = np.maximum(since, 0)
+    striker = np.where(since < 0, _way(SPEED, since), _way(SPEED * (1 - RESTITUTION) / 2, after))
+    struck = 2 * RADIUS_PX + _way(SPEED * (1 + RESTITUTION) / 2, after)
+    return film(path, [np.column_stack((130 + x, 70 + 0.2 * x)) for x in (striker, struck)])
+
+
+def _way(speed: float, since: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Way of a disc that slows to rest by dry friction."""
+    sliding = np.minimum(since, speed / SLOWING)
+    return np.asarray(speed * sliding - SLOWING / 2 * sliding**2)
 
 
 def _pictures(discs: Sequence[NDArray[np.float64]]) -> Iterator[NDArray[np.uint8]]:

@@ -133,6 +133,13 @@ def test_process_fails_a_trial_that_is_no_video_and_writes_the_row(tmp_path: Pat
     assert "failed" in (tmp_path / "trials.csv").read_text()
 
 
+def test_process_heads_each_kind_with_its_own_columns(tmp_path: Path) -> None:
+    named = ["--kind", "shot", "--no-overlays", "--out", tmp_path]
+    result = impactlab("process", __file__, *named)
+    assert result.stdout.split()[:5] == ["trial", "kind", "n", "speed", "direction"]
+    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv"}
+
+
 def test_figures_print_ours_beside_the_printed_numbers(tmp_path: Path) -> None:
     result = impactlab("figures", "fig4", "fig5", "--out", tmp_path)
     assert result.exit_code == 0, result.output

@@ -10,6 +10,7 @@ from experiments.experiment import ExperimentError, collect_trials, read_experim
 from experiments.trial import Body, Camera, Trial
 
 TRIAL = '[[trial]]\nvideo = "two-00.mp4"\nkind = "two"\n'
+SHOT = TRIAL.replace('"two"', '"shot"')
 NAN = float("nan")
 
 
@@ -56,6 +57,13 @@ def test_trial_comes_before_the_experiment_and_the_experiment_before_nothing(fol
     assert (second.camera.readout, second.camera.scale) == (0.004, first.camera.scale)
 
 
+def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
+    bodies = "[bodies]\nball = { mass = 0.1673, diameter = 0.0572 }\ncue = { mass = 0.5018 }\n"
+    (trial,) = read_experiment(written(folder, bodies + SHOT + "start_px = [751, 270.5]"))
+    assert trial.start_px == [751, 270.5]
+    assert trial.body("ball") == Body(mass=0.1673, diameter=0.0572)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -87,7 +95,7 @@ def test_trial_comes_before_the_experiment_and_the_experiment_before_nothing(fol
         ("[camera.scale]\nmm = 1\n" + TRIAL, "scale must have ball_diameter or .*, got the keys mm"),
         ("[camera.scale]\nmetres_per_pixel = 0\n" + TRIAL, "metres_per_pixel must be positive, got 0"),
         ("[camera.scale]\nmetres_per_pixel = 1e200\n" + TRIAL, r"must be within \[1e-09, 1000\] m, got"),
-        ("[camera.scale]\nball_diameter = 0.04\n" + TRIAL, "must name the ball 'upper', got 0.04"),
+        ("[camera.scale]\nball_diameter = 0.04\n" + TRIAL, "must name the ball 'upper', .*, got 0.04"),
         ("[camera.scale]\ndistance = 1\npoints_px = 'ab'\n" + TRIAL, r"must be 2 points \[x, y\] in pixels"),
         ("[camera.scale]\ndistance = 1\npoints_px = [[0, 1], [nan, 2]]\n" + TRIAL, "must be 2 points"),
         ("[camera.scale]\ndistance = 1\npoints_px = [[0, 1]]\n" + TRIAL, "must be 2 points"),
@@ -100,6 +108,9 @@ def test_trial_comes_before_the_experiment_and_the_experiment_before_nothing(fol
         (TRIAL.replace('"two"', '"three"'), "trial 1: kind must be one of plate, .*, got 'three'"),
         (TRIAL + TRIAL + "name = 5", "trial 2: name must be given as text, got 5"),
         (TRIAL + 'name = "../x"', "trial 1: name must be that of a file"),
+        (TRIAL + "start_px = [1, 2]", "trial 1: start_px is for trials of kind 'shot', got kind 'two'"),
+        (SHOT + "start_px = 7", r"trial 1: start_px must be a point \[x, y\] in pixels, got 7"),
+        (SHOT + "start_px = [nan, 0]", r"trial 1: start_px must be a point \[x, y\] in pixels"),
     ],
 )
 def test_broken_rule_is_named_with_file_key_and_value(folder: Path, text: str, message: str) -> None:

@@ -145,7 +145,7 @@ def test_tracks_hold_what_was_seen_and_nothing_between(plate_clip: Clip, tmp_pat
     for hidden in range(40, 46):
         pictures[hidden][60:] = wall[60:]
     write_video(tmp_path / "hidden.mp4", pictures, 240)
-    list(process([trial_of(tmp_path / "hidden.mp4")], tmp_path / "out", workers=1))
+    list(process([trial_of(tmp_path / "hidden.mp4")], tmp_path / "out", workers=1, overlays=False))
     with (tmp_path / "out" / "tracks" / "hidden.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["frame", "time", "ball", "x", "y", "x_sd", "y_sd", "radius"]
@@ -185,7 +185,7 @@ def test_bad_trials_cost_the_others_nothing(plate_clip: Clip, tmp_path: Path) ->
     trials.append(replace(trial_of(plate_clip.path, bodies={"upper": Body(diameter=0.5)}), name="giant"))
     measured = list(process(trials, tmp_path / "out", workers=1))
     sentences |= {
-        "shot": "kind 'shot' cannot be measured yet",
+        "shot": "plate-00.mp4: no ball found that starts to move; film the cloth from above",
         "feather": "mass must exceed that of the displaced air",
         "unscaled": "nothing tells how large a pixel is; give --ball-diameter or --metres-per-pixel",
         "giant": "the ball would be 625 px wide, but must be between 5 and 200 px; check its diameter",
@@ -196,6 +196,10 @@ def test_bad_trials_cost_the_others_nothing(plate_clip: Clip, tmp_path: Path) ->
     for name, sentence in sentences.items():
         assert table.loc[name, "status"] == "failed"
         assert sentence in table.loc[name, "reason"]
+    drawn = {path.name for path in (tmp_path / "out" / "overlays").iterdir()}
+    assert drawn == {
+        f"{name}.{ending}" for name in ("plate-00", "fall", "feather") for ending in ("mp4", "png")
+    }
 
 
 def test_table_of_failures_only_is_written_with_its_reasons(tmp_path: Path) -> None:

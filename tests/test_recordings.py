@@ -17,6 +17,7 @@ from experiments.process import measure, process
 from experiments.trial import Body, Camera, Trial
 
 PING_PONG = {"upper": Body(diameter=0.040, mass=0.0027)}
+CLOTH_CORNERS = [[150, 488], [940, 488], [712, 103], [352, 103]]
 
 
 def assert_first_impact(row: dict[str, Any], truth_file: Path) -> None:
@@ -121,3 +122,46 @@ def test_film_from_a_hand_bounces_as_its_maker_says(shared_data: Path) -> None:
     assert 0.45 < -first["upper_rebound_velocity"] / first["approach_velocity"] < 0.56
     assert abs(first["gravity_check"] - 1) < 2 * first["gravity_check_sd"]
     assert any(remark.startswith("the camera drifts by up to 1") for remark in measured.remarks)
+
+
+@pytest.mark.slow
+def test_rendered_shots_give_their_launch_and_spin(shared_data: Path, tmp_path: Path) -> None:
+    folder = shared_data / "rendered" / "shots"
+    for measured in process(read_experiment(folder / "experiment.toml"), tmp_path, workers=2):
+        (row,) = measured.rows
+        truth = json.loads((folder / f"{row['trial']}.json").read_text())
+        assert row["status"] == "ok", row["reason"]
+        velocity = np.array([row["velocity_x"], row["velocity_y"]])
+        spin = np.array([row["angular_velocity_x"], row["angular_velocity_y"]])
+        assert np.hypot(*(velocity - truth["v"])) < 0.01 * np.hypot(*truth["v"])
+        assert np.hypot(*(spin - truth["w"])) < 0.1 * np.hypot(*truth["w"])
+        assert row["friction"] == pytest.approx(truth["mu"], rel=0.02)
+        assert row["approach_velocity_sd"] > 0
+        assert (tmp_path / "overlays" / f"{row['trial']}.mp4").stat().st_size > 50_000
+    assert read_trials(tmp_path / "trials.csv")["velocity_x"].notna().all()
+
+
+@pytest.mark.slow
+def test_carrom_discs_part_almost_as_fast_as_they_meet(shared_data: Path) -> None:
+    video = shared_data / "real" / "carrom-headon-240fps-tagged-30.mp4"
+    measured = measure(Trial(name="carrom", video=video, kind="pair", camera=Camera(capture_fps=240)))
+    (row,) = measured.rows
+    assert (row["status"], row["unit"]) == ("ok", "px"), row["reason"]
+    assert 0.85 < row["restitution"] < 0.98
+    assert np.hypot(row["momentum_gap_along"], row["momentum_gap_across"]) <= 0.04
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", ["px", "m"])
+def test_white_ball_on_the_club_table_is_struck_and_meets_another(shared_data: Path, unit: str) -> None:
+    video = shared_data / "real" / "cueball-club-table-25fps.mp4"
+    corners = {"corners_px": CLOTH_CORNERS, "width": 1.27, "height": 2.54}
+    camera = Camera(scale=corners if unit == "m" else {})
+    measured = measure(Trial(name="club", video=video, kind="shot", camera=camera))
+    (row,) = measured.rows
+    assert (row["status"], row["unit"]) == ({"px": "suspect", "m": "ok"}[unit], unit)
+    assert 9 / 25 < row["time"] < 15 / 25
+    assert 54 / 25 < row["meeting_time"] < 58 / 25
+    assert any("meets another ball or a cushion at 2.2" in remark for remark in measured.remarks)
+    speed = np.hypot(row["velocity_x"], row["velocity_y"])
+    assert speed == pytest.approx({"px": 10.8 * 25, "m": 0.77}[unit], rel=0.1)

@@ -90,6 +90,20 @@ def test_restitution_and_velocities_come_out(struck: Places) -> None:
     assert seen.line_of_centres == pytest.approx(NORMAL, abs=0.01)
 
 
+def test_discs_that_slide_without_friction_are_measured_as_well() -> None:
+    time = np.arange(0, 0.4, 1 / FPS)
+    since = (time - MOMENT)[:, None]
+    striker, struck = impact(SHOVED, np.zeros(2))
+    ways = [np.where(since < 0, SHOVED, striker) * since, np.where(since < 0, 0, struck) * since]
+    tracks = [
+        as_track(name, place + way, time, 5e-5)
+        for name, place, way in zip(("striker", "struck"), ([0, 0], 2 * RADIUS * NORMAL), ways, strict=True)
+    ]
+    seen = measure_pair(PairTrack(striker=tracks[0], struck=tracks[1]))
+    assert abs(seen.restitution - 0.9) < 4 * seen.restitution_sd < 0.05
+    assert np.isfinite(seen.covariance).all()
+
+
 def test_momentum_closes_with_the_right_masses_only() -> None:
     pair = pair_seen(SHOVED, np.zeros(2), masses=(1.0, 1.5))
     right, wrong = measure_pair(pair, masses=(1.0, 1.5)), measure_pair(pair)

@@ -46,7 +46,14 @@ def seen_from_above(
         radius=RADIUS,
         radius_sd=1e-5,
     )
-    return ShotTrack(ball=ball, tip=None, missing_tip="no cue", lift=np.zeros(len(time)), perspective=0.0)
+    return ShotTrack(
+        ball=ball,
+        tip=None,
+        missing_tip="no cue",
+        lift=np.zeros(len(time)),
+        expected_radius=np.full(len(time), RADIUS),
+        perspective=0.0,
+    )
 
 
 def struck(velocity: tuple[float, float], spin: tuple[float, float]) -> Callable[[Places], Places]:
@@ -106,6 +113,16 @@ def test_a_ball_that_still_slides_tells_friction_but_no_spin() -> None:
     assert "still slides" in shot.notes[0]
 
 
+def test_a_frame_off_the_path_spoils_neither_sliding_nor_rolling() -> None:
+    for velocity, spin, until in (((2.0, 0.0), (0.0, -60.0), 0.35), ((1.2, 0.0), (0.0, 1.2 / RADIUS), 1.0)):
+        seen = seen_from_above(struck(velocity, spin), until=until)
+        y = seen.ball.y.copy()
+        y[25] += 0.001
+        shot = measure_shot(replace(seen, ball=replace(seen.ball, y=y)), RADIUS)
+        assert shot.velocity == pytest.approx(velocity, abs=0.02)
+        assert shot.frames == len(y) - 14  # those after the strike but one
+
+
 def test_the_fit_ends_where_the_ball_meets_another() -> None:
     free = struck((1.8, 0.35), (-8.0, -30.0))
 
@@ -126,6 +143,7 @@ def test_a_ball_that_looks_larger_has_left_the_cloth() -> None:
     shot = measure_shot(replace(seen, lift=lift), RADIUS)
     assert shot.jumps
     assert "jump shot" in shot.notes[-1]
+    assert shot.doubts == shot.notes[-1:]
 
 
 def test_uncertain_scale_makes_velocity_and_spin_uncertain() -> None:

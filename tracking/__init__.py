@@ -16,6 +16,9 @@ The way of a recording through the room, one file a step:
 `joint`          flights that meet at an impact, fitted together
 `budget`         what scale, air, rate, gravity and readout may do to all frames alike
 `velocity`       `Track` → `Impact`: velocities, covariance, gravity check
+`strike`         a cue shot: the ball that is struck, and the cue's tip; `shot` measures it
+`pair`           two discs that meet; `pair_impact` measures them
+`overlay`        what was found, to be drawn on the recording; `overlay_film` draws it
 `render`         synthetic recordings with known truth
 ===============  ========================================================================
 

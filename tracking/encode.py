@@ -14,7 +14,13 @@ THREADS = 2
 
 
 def write_video(
-    path: Path, frames: Iterable[NDArray[np.uint8]], fps: float, *, crf: int = 20, preset: str = "veryfast"
+    path: Path,
+    frames: Iterable[NDArray[np.uint8]],
+    fps: float,
+    *,
+    crf: int = 20,
+    preset: str = "veryfast",
+    index_first: bool = False,
 ) -> int:
     """Encode frames as H.264 (yuv420p) with time stamps of exactly ``k / fps``.
 
@@ -30,6 +36,8 @@ def write_video(
         Constant rate factor of x264: 0 loses nothing, 18 looks lossless, 51 is worst.
     preset : str
         Speed of x264 against size.
+    index_first : bool
+        Whether an MP4 file begins with its table of contents, so that a browser can play it while it loads.
 
     Returns
     -------
@@ -38,7 +46,8 @@ def write_video(
     """
     rate = Fraction(fps).limit_denominator(1001)
     count = 0
-    with av.open(str(path), "w") as container:
+    options = {"movflags": "faststart"} if index_first else {}
+    with av.open(str(path), "w", options=options) as container:
         stream = container.add_stream("libx264", rate=rate)
         stream.pix_fmt = "yuv420p"
         stream.thread_count = THREADS

@@ -76,20 +76,26 @@ class Encounter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EncounterFit:
-    """Fitted parameters, their covariance (0 where held), root mean square distance, frames used."""
+    """Fitted parameters, their covariance (0 where held), root mean square distance, frames used.
+
+    `paths` are the fitted legs: (n, 3) arrays of time and place (t, x, y).
+    """
 
     parameters: FloatArray
     covariance: FloatArray
     residual: float
     frames: int
+    paths: tuple[FloatArray, ...]
 
 
 def fit_encounter(encounter: Encounter, start: FloatArray) -> EncounterFit:
-    """Fit robustly, drop the frames that lie off, and fit again."""
+    """Fit robustly, drop the frames that lie off, and fit again; a disc that never slows has no friction."""
     rough = _solve(encounter, start, robust=True)
     encounter = replace(encounter, legs=tuple(_inliers(leg, rough) for leg in encounter.legs))
     parameters = _solve(encounter, rough, robust=False)
-    free = encounter.free
+    unslowed = [place for place in map(deceleration_of, (0, 1)) if parameters[place] <= 0]
+    parameters[unslowed] = 0.0
+    free = [place for place in encounter.free if place not in unslowed]
 
     def residuals(values: FloatArray) -> FloatArray:
         return _residuals(encounter, _with(parameters, free, values))
@@ -102,6 +108,7 @@ def fit_encounter(encounter: Encounter, start: FloatArray) -> EncounterFit:
         covariance=covariance,
         residual=float(np.sqrt(np.mean(np.sum(apart**2, axis=1)))),
         frames=encounter.frames,
+        paths=tuple(np.column_stack((leg.time, _path(leg, parameters))) for leg in encounter.legs),
     )
 
 

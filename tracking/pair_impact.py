@@ -41,6 +41,8 @@ class PairImpact:
     ----------
     time, time_sd : float
         Moment of the impact, s.
+    places : (2, 2) array
+        Centres of the striker and of the struck disc at the impact.
     line_of_centres : (2,) array
         Unit vector from the striker to the struck disc at the impact.
     striker_before, striker_after, struck_before, struck_after : (2,) arrays
@@ -58,10 +60,13 @@ class PairImpact:
         Frames used.
     residual : float
         Root mean square distance of the frames from the paths.
+    fitted : tuple of (n, 3) arrays
+        Time and place (t, x, y) on the fitted paths: striker before and after, struck disc before and after.
     """
 
     time: float
     time_sd: float
+    places: FloatArray
     line_of_centres: FloatArray
     striker_before: FloatArray
     striker_after: FloatArray
@@ -75,6 +80,7 @@ class PairImpact:
     deceleration: FloatArray
     frames: int
     residual: float
+    fitted: tuple[FloatArray, ...]
 
 
 def measure_pair(pair: PairTrack, *, masses: tuple[float, float] = (1.0, 1.0)) -> PairImpact:
@@ -110,6 +116,7 @@ def measure_pair(pair: PairTrack, *, masses: tuple[float, float] = (1.0, 1.0)) -
     return PairImpact(
         time=float(fit.parameters[TIME]),
         time_sd=float(np.sqrt(fit.covariance[TIME, TIME])),
+        places=np.array([fit.parameters[place_of(disc)] for disc in (0, 1)]),
         line_of_centres=_line_of_centres(fit.parameters),
         striker_before=velocities[0],
         striker_after=velocities[1],
@@ -123,6 +130,7 @@ def measure_pair(pair: PairTrack, *, masses: tuple[float, float] = (1.0, 1.0)) -
         deceleration=fit.parameters[[deceleration_of(0), deceleration_of(1)]],
         frames=fit.frames,
         residual=fit.residual,
+        fitted=fit.paths,
     )
 
 

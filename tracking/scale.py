@@ -92,7 +92,8 @@ def scale_from_ball(track: Track, diameter: float) -> Scale:
     scale = scale_from_metres_per_pixel(
         diameter / (2 * track.radius), relative_sd=float(np.hypot(outline, DIAMETER_SD))
     )
-    return replace(scale, source=f"{track.ball} ball, {diameter * 1e3:g} mm wide, {2 * track.radius:.1f} px")
+    name = track.ball.removesuffix(" ball")
+    return replace(scale, source=f"{name} ball, {diameter * 1e3:g} mm wide, {2 * track.radius:.1f} px")
 
 
 def scale_from_corners(corners: Sequence[Point], width: float, height: float) -> Scale:
@@ -152,6 +153,12 @@ def apply(scale: Scale, x: FloatArray, y: FloatArray) -> tuple[FloatArray, Float
     """Map points from pixels to metres."""
     u, v, w = scale.matrix @ np.vstack((x, y, np.ones_like(x)))
     return u / w, v / w
+
+
+def to_pixels(scale: Scale, places: FloatArray) -> FloatArray:
+    """Map points (n, 2) from metres back to pixels of the picture, y down."""
+    back = replace(scale, matrix=np.asarray(np.linalg.inv(scale.matrix), dtype=np.float64))
+    return np.column_stack(apply(back, places[:, 0], places[:, 1]))
 
 
 def local_scale(scale: Scale, x: FloatArray, y: FloatArray) -> FloatArray:

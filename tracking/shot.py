@@ -14,7 +14,7 @@ import numpy.typing as npt
 from tracking.cue_tip import CueTip, measure_tip
 from tracking.flight import STANDARD_GRAVITY
 from tracking.free_motion import free_motion, meeting, upright
-from tracking.slide import Q, Seen, first_guess, fit_path
+from tracking.slide import Q, Seen, first_guess, fit_path, path
 from tracking.spin import PathValues, V, read_path
 from tracking.strike import ShotTrack
 
@@ -61,8 +61,12 @@ class Shot:
         Frames of the moving ball that were used.
     residual : float
         Root mean square distance of the frames from the path.
+    fitted : (m, 3) array
+        Time and place (t, x, y) on the fitted path, in every frame from the strike to the end of the fit.
     notes : tuple of str
         What is missing or doubtful, and why.
+    doubts : tuple of str
+        Those of the notes for which the values are not to be trusted.
     """
 
     unit: str
@@ -84,7 +88,9 @@ class Shot:
     jumps: bool
     frames: int
     residual: float
+    fitted: FloatArray
     notes: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @property
     def velocity_sd(self) -> FloatArray:
@@ -131,6 +137,7 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
     place = told.fit.parameters[[Q.X, Q.Y]]
     tip = _tip(shot, strike, place, own_radius)
     lift = _lift(shot.lift[motion.start : motion.kink])
+    doubts = _doubts(told, lift, own_radius)
     velocity, spin = [V.VELOCITY_X, V.VELOCITY_Y], [V.SPIN_X, V.SPIN_Y]
     rolling = [V.ROLLING_X, V.ROLLING_Y]
     return Shot(
@@ -153,8 +160,16 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
         jumps=lift > LIFTED,
         frames=int(np.sum(told.fit.used & (motion.seen.time > strike))),
         residual=told.fit.residual,
-        notes=_notes(shot, told, tip, lift, own_radius),
+        fitted=_fitted(motion.seen, told, strike),
+        notes=(*_gaps(shot, told, tip), *doubts),
+        doubts=doubts,
     )
+
+
+def _fitted(seen: Seen, told: PathValues, strike: float) -> FloatArray:
+    """Sample the fitted path at the strike and in every later frame."""
+    time = np.concatenate(([strike], seen.time[seen.time > strike]))
+    return np.column_stack((time, path(told.fit.parameters, time, seen.gravity)))
 
 
 def _tip(shot: ShotTrack, strike: float, place: FloatArray, radius: float) -> CueTip | None:
@@ -187,12 +202,10 @@ def _in_perspective(seen: Seen, told: PathValues) -> PathValues:
     return replace(told, values=values, covariance=covariance, fit=fit)
 
 
-def _notes(
-    shot: ShotTrack, told: PathValues, tip: CueTip | None, lift: float, radius: float
-) -> tuple[str, ...]:
-    """Say what is missing or doubtful, and why."""
+def _gaps(shot: ShotTrack, told: PathValues, tip: CueTip | None) -> tuple[str, ...]:
+    """Say what is missing, and why."""
     too_late = "the cue's tip is seen in too few frames before the strike; record more frames a second"
-    notes = [
+    gaps = [
         (_at_an_angle(shot), "filmed at an angle: give four corners of the cloth for spin and friction"),
         (bool(told.stage.value) and not _at_an_angle(shot), told.stage.value),
         (shot.tip is None, shot.missing_tip),
@@ -201,6 +214,13 @@ def _notes(
             tip is not None and np.isnan(tip.offset),
             "filmed at an angle: height and side of the cue's contact look alike, so no offset is given",
         ),
+    ]
+    return tuple(gap for applies, gap in gaps if applies)
+
+
+def _doubts(told: PathValues, lift: float, radius: float) -> tuple[str, ...]:
+    """Say why the values are not to be trusted."""
+    doubts = [
         (
             lift > LIFTED,
             f"the ball leaves the cloth (it looks {lift:.1%} larger): a jump shot, not to be trusted",
@@ -210,4 +230,4 @@ def _notes(
             "the path is not that of a ball on cloth; check camera and scale",
         ),
     ]
-    return tuple(note for applies, note in notes if applies)
+    return tuple(doubt for applies, doubt in doubts if applies)

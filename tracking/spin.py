@@ -138,10 +138,10 @@ def _best_stage(seen: Seen, start: FloatArray) -> tuple[Stage, PathFit]:
     scale = max(1.0, full.chi_square / max(2 * len(kept.time) - len(Q), 1))
     rolls = fit_path(kept, rolling, ROLLING_ONLY)
     if rolls.used.all() and (rolls.chi_square - full.chi_square) / scale < SLIDES:
-        return Stage.ROLLS_AT_ONCE, rolls
+        return Stage.ROLLS_AT_ONCE, replace(rolls, used=full.used)
     slides = fit_path(kept, _never_rolling(seen, full.parameters), SLIDING_ONLY)
     if slides.used.all() and (slides.chi_square - full.chi_square) / scale < ROLLS:
-        return Stage.SLIDES_THROUGHOUT, slides
+        return Stage.SLIDES_THROUGHOUT, replace(slides, used=full.used)
     return Stage.SLIDES_THEN_ROLLS, full
 
 

@@ -38,6 +38,8 @@ class ShotTrack:
     lift : (n,) array
         Apparent radius in each of the ball's frames over what its place on the plane asks for, less 1: a
         ball that rises towards the camera looks larger.
+    expected_radius : (n,) array
+        Radius that its place on the plane asks for, px.
     perspective : float
         Change of the apparent radius that its way over the plane asks for, as a share.
     """
@@ -46,6 +48,7 @@ class ShotTrack:
     tip: Track | None
     missing_tip: str
     lift: FloatArray
+    expected_radius: FloatArray
     perspective: float
 
 
@@ -91,6 +94,7 @@ def track_shot(recording: Recording, *, start_px: Sequence[float] | None = None)
         tip=tip,
         missing_tip=reason,
         lift=outlines.seen_radius / outlines.expected_radius - 1,
+        expected_radius=outlines.expected_radius,
         perspective=float(np.ptp(outlines.expected_radius)) / outlines.track.radius,
     )
 

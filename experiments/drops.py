@@ -1,0 +1,155 @@
+"""Drops on the plate, on a held ball, on a ball at rest: recording → rows of the trial table."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from calibrate.rows import VELOCITIES
+from experiments.doubt import find_doubt
+from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
+from experiments.measured import Measured, cells, empty_row, judgement, only_seen
+from experiments.trial import Body, Trial
+from tracking.budget import Budget
+from tracking.errors import RecordingError
+from tracking.flight import Flight, position
+from tracking.overlay import Moment, Scene, outline_of
+from tracking.scale import Scale, local_scale, to_metres, to_pixels
+from tracking.shutter import with_row_times
+from tracking.track import Track, track_balls
+from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
+from tracking.video import Recording
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def measure_drop(measured: Measured, recording: Recording) -> None:
+    """Track, scale and fit the recording of a drop."""
+    trial = measured.trial
+    upper, lower = trial.body("upper"), trial.body("lower")
+    expected = _expected_radius(given_scale(trial), upper, recording)
+    tracks = track_balls(recording, radius=expected, lower=_lower_ratio(trial))
+    if expected and abs(tracks[0].radius / expected - 1) > SCALES_AGREE:  # the ruler is nearer or farther
+        tracks = track_balls(recording, lower=_lower_ratio(trial))
+    measured.overlay = only_seen(*map(outline_of, tracks))
+    tracks[0], remarks = without_depth(tracks[0], recording)
+    scale, more_remarks = chosen_scale(trial, tracks[0])
+    measured.remarks += remarks + more_remarks
+    timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
+    measured.tracks = [to_metres(track, scale) for track in timed]
+    known = [flight_of(body, track) for body, track in zip((upper, lower), measured.tracks, strict=False)]
+    measured.remarks += [remark for _, remarks in known for remark in remarks]
+    flights = [flight for flight, _ in known]
+    impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
+    measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
+    scenes = _scenes(impacts, measured.tracks, flights, scale)
+    measured.overlay = replace(measured.overlay, scenes=scenes)
+
+
+def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> float | None:
+    """Radius of the ball in px, where scale and diameter tell it."""
+    if scale is None or ball.diameter is None:
+        return None
+    height, width = recording.samples[0].shape[:2]
+    metres_per_pixel = local_scale(scale, np.array([width / 2]), np.array([height / 2]))
+    return ball.diameter / 2 / float(metres_per_pixel[0])
+
+
+def _lower_ratio(trial: Trial) -> float | None:
+    """Radius of the lower ball over that of the upper one, for trials in which it moves."""
+    if trial.kind != "two":
+        return None
+    upper, lower = trial.body("upper").diameter, trial.body("lower").diameter
+    return lower / upper if upper and lower else 1.0
+
+
+def _impacts(
+    trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight], budget: Budget
+) -> list[Impact]:
+    """Measure the impacts that the model speaks of: all bounces of one ball, the first of two."""
+    if trial.kind == "two":
+        impact = measure_two_ball_impact(tracks[0], tracks[1], flights, budget)
+        impacts = [] if impact is None else [impact]
+    else:
+        impacts = measure_impacts(tracks[0], flights[0], budget)
+    if not impacts:
+        raise RecordingError(
+            f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at "
+            "least five frames before and after the impact (a higher frame rate helps)"
+        )
+    return impacts
+
+
+def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dict[str, Any]:
+    """One row of the trial table."""
+    shared = {
+        f"{name}_{source}": float(effect)
+        for source, effects in impact.shared.items()
+        for name, effect in zip(VELOCITIES, effects, strict=True)
+    }
+    return {
+        **empty_row(trial),
+        **judgement(find_doubt(impact, recording.capture_fps)),
+        "impact": number,
+        "time": impact.time,
+        **cells(VELOCITIES, list(impact.velocities), list(impact.sd)),
+        "gravity_check": impact.gravity_check,
+        "gravity_check_sd": impact.gravity_check_sd,
+        "sideways_before": impact.sideways[0],
+        "sideways_after": impact.sideways[1],
+        "frames_before": impact.frames[0],
+        "frames_after": impact.frames[1],
+        "residual": impact.residual,
+        **shared,
+    }
+
+
+def _scenes(
+    impacts: Sequence[Impact], tracks: Sequence[Track], flights: Sequence[Flight], scale: Scale
+) -> tuple[Scene, ...]:
+    """Tell the overlay one scene an impact, changing midway between two."""
+    times = [impact.time for impact in impacts]
+    starts = [-np.inf, *((before + after) / 2 for before, after in pairwise(times))]
+    return tuple(
+        Scene(
+            since=start,
+            lines=(f"impact {number} of {len(impacts)} at {impact.time:.4f} s", *_lines(impact)),
+            curves=tuple(to_pixels(scale, curve) for curve in _curves(impact, tracks, flights)),
+            moments=(_moment(impact, tracks[0], scale, number),),
+        )
+        for number, (impact, start) in enumerate(zip(impacts, starts, strict=True), start=1)
+    )
+
+
+def _lines(impact: Impact) -> list[str]:
+    """Velocities in words."""
+    names = ("before", "after", "lower ball after")
+    told = zip(names, impact.velocities, impact.sd, strict=True)
+    return [f"{name} {value:.4f} +/- {sd:.4f} m/s" for name, value, sd in told if np.isfinite(value)]
+
+
+def _moment(impact: Impact, upper: Track, scale: Scale, number: int) -> Moment:
+    """Mark the impact where the falling ball touches what is below."""
+    x = float(np.interp(impact.time, upper.time, upper.x))
+    place = to_pixels(scale, np.array([[x, impact.height - upper.radius]]))[0]
+    return Moment(time=impact.time, place=place, words=f"impact {number}")
+
+
+def _curves(impact: Impact, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[FloatArray]:
+    """Give the fitted flights (n, 2) in m: fall, rebound, hop of the lower ball; sideways as it was seen."""
+    upper, moment = tracks[0], np.array([impact.time])
+    before = np.append(upper.time[upper.time < moment][-impact.frames[0] :], moment)
+    after = np.append(moment, upper.time[upper.time > moment][: impact.frames[1]])
+    parts = [(upper, before, 0, impact.height), (upper, after, 1, impact.height)]
+    if len(tracks) > 1:
+        parts.append((tracks[1], after, 2, float(np.median(tracks[1].y[tracks[1].time < moment]))))
+    curves = []
+    for track, time, which, height in parts:
+        flight = flights[0 if track is upper else 1]
+        rise = position(flight, impact.velocities[which], time - impact.time)
+        kept = (rise >= 0) | (track is upper)
+        curves.append(np.column_stack((np.interp(time, track.time, track.x), height + rise))[kept])
+    return curves
