@@ -9,6 +9,7 @@ from scipy import stats
 
 from calibrate.repeats import Repeats, repeats_of
 from calibrate.rows import TrialTableError
+from calibrate.shared import own_variance, shared_effects
 
 Array = NDArray[np.float64]
 
@@ -84,8 +85,7 @@ def observed_restitution(trials: pd.DataFrame, kind: str) -> Observed | None:
     rows = usable_trials(trials, kind)
     if rows.empty:
         return None
-    ratios, stated = _speed_ratios(rows, ["upper_rebound_velocity"])
-    return _condensed(rows, ratios, stated, np.zeros(len(rows), dtype=np.int64))
+    return _condensed(rows, ["upper_rebound_velocity"], np.zeros(len(rows), dtype=np.int64))
 
 
 def observed_rebounds(trials: pd.DataFrame) -> Observed | None:
@@ -99,8 +99,7 @@ def observed_rebounds(trials: pd.DataFrame) -> Observed | None:
     rows = usable_two_ball_trials(trials)
     if rows.empty:
         return None
-    ratios, stated = _speed_ratios(rows, ["upper_rebound_velocity", "lower_rebound_velocity"])
-    return _condensed(rows, ratios, stated, mass_ratio_groups(rows))
+    return _condensed(rows, ["upper_rebound_velocity", "lower_rebound_velocity"], mass_ratio_groups(rows))
 
 
 def usable_two_ball_trials(trials: pd.DataFrame) -> pd.DataFrame:
@@ -113,19 +112,22 @@ def usable_trials(trials: pd.DataFrame, kind: str) -> pd.DataFrame:
     return trials[(trials["kind"] == kind) & (trials["status"] == "ok")]
 
 
-def _speed_ratios(rows: pd.DataFrame, columns: list[str]) -> tuple[Array, Array]:
-    """Rebound velocities over approach speed (N, p) and their stated covariance (N, p, p).
+def _speed_ratios(rows: pd.DataFrame, columns: list[str]) -> tuple[Array, Array, Array]:
+    """Rebound velocities over approach speed (N, p), their stated covariance (N, p, p), effects (N, K, p).
 
-    The approach speed's uncertainty moves all ratios of a trial together; a missing one counts as zero.
+    The approach speed's own uncertainty moves all ratios of a trial together; a missing one counts as zero.
+    What is common to all trials is no part of the covariance: the effects are.
     """
     speed = -rows["approach_velocity"].to_numpy()
     ratios = rows[columns].to_numpy() / speed[:, None]
-    own = rows[[f"{column}_sd" for column in columns]].to_numpy() / speed[:, None]
-    common = np.nan_to_num(rows["approach_velocity_sd"].to_numpy()) / speed
-    shared = ratios * common[:, None]
-    return ratios, np.stack([np.diag(variance) for variance in own**2]) + shared[:, :, None] * shared[
-        :, None, :
-    ]
+    own = np.stack([own_variance(rows, column) for column in columns], axis=1) / speed[:, None] ** 2
+    common = np.sqrt(np.nan_to_num(own_variance(rows, "approach_velocity"))) / speed
+    together = ratios * common[:, None]
+    stated = np.stack([np.diag(variance) for variance in own])
+    rebounds = np.stack([shared_effects(rows, column) for column in columns], axis=2)
+    approach = shared_effects(rows, "approach_velocity")
+    effects = (rebounds + approach[:, :, None] * ratios[:, None, :]) / speed[:, None, None]
+    return ratios, stated + together[:, :, None] * together[:, None, :], effects
 
 
 def mass_ratio_groups(rows: pd.DataFrame) -> NDArray[np.int64]:
@@ -142,12 +144,13 @@ def _mass_ratio(rows: pd.DataFrame) -> Array:
     return np.asarray(rows["upper_mass"] / rows["lower_mass"], dtype=float)
 
 
-def _condensed(rows: pd.DataFrame, ratios: Array, stated: Array, groups: NDArray[np.int64]) -> Observed:
+def _condensed(rows: pd.DataFrame, columns: list[str], groups: NDArray[np.int64]) -> Observed:
+    ratios, stated, effects = _speed_ratios(rows, columns)
     names = rows["trial"].to_numpy()
     kept = np.arange(len(rows))
     outliers: list[str] = []
     while True:
-        repeats = repeats_of(ratios[kept], stated[kept], groups[kept])
+        repeats = repeats_of(ratios[kept], stated[kept], groups[kept], effects[kept])
         worst = _outlier(repeats)
         if worst is None:
             break

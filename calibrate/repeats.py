@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
+from calibrate.shared import softened
+
 Array = NDArray[np.float64]
 
 ASSUMED_SCATTER = 0.02
@@ -39,6 +41,8 @@ class Repeats:
         Standardized distance of each trial from the mean of its group, in the order of the trials.
     too_alike : bool
         Whether they agreed better than they state (or than `FINEST_SCATTER`), so that the spread was raised.
+    shared : ndarray (K, J, p)
+        What one standard deviation of each error common to all trials does to the means.
     """
 
     means: Array
@@ -47,6 +51,7 @@ class Repeats:
     degrees_of_freedom: float
     deviations: Array = field(default_factory=lambda: np.empty(0))
     too_alike: bool = False
+    shared: Array = field(default_factory=lambda: np.empty((0, 1, 1)))
 
     def distances(self, predicted: ArrayLike) -> Array:
         """Whiten the distance from predictions to the means.
@@ -62,12 +67,12 @@ class Repeats:
             Numbers whose sum of squares follows, for the true model, the chi-square law of J p degrees of
             freedom exactly, however few the repeats (homogeneous normal scatter assumed).
         """
-        off = np.asarray(predicted, dtype=float) - self.means
-        white = (
-            np.sqrt(self.weights)[:, None]
-            * np.linalg.solve(np.linalg.cholesky(self.spread), off[..., None])[..., 0]
-        )
+        white = self._whitened(np.asarray(predicted, dtype=float) - self.means)
         flat = white.reshape(*white.shape[:-2], self.means.size)
+        if self.shared.size:
+            common = self._whitened(self.shared)
+            flat = softened(flat, common.reshape(len(common), self.means.size))
+            white = flat.reshape(white.shape)
         if not np.isfinite(self.degrees_of_freedom):
             return flat
         plain = np.sum(flat**2, axis=-1)
@@ -76,11 +81,15 @@ class Repeats:
 
     def mean_sd(self, group: int = 0, channel: int = 0) -> float:
         """Estimate the standard deviation of one mean; few repeats know it badly."""
-        return float(np.sqrt(self.spread[channel, channel] / self.weights[group]))
+        return float(np.hypot(self._scatter(group, channel), self._common(group, channel)))
 
     def interval(self, level: float) -> tuple[float, float]:
         """Confidence interval of the first mean by Student's t."""
-        reach = stats.t.ppf(0.5 + level / 2, self.degrees_of_freedom) * self.mean_sd()
+        upper = 0.5 + level / 2
+        reach = np.hypot(
+            stats.t.ppf(upper, self.degrees_of_freedom) * self._scatter(),
+            stats.norm.ppf(upper) * self._common(),
+        )
         return float(self.means[0, 0] - reach), float(self.means[0, 0] + reach)
 
     def chi_square_at(self, distance: float) -> float:
@@ -88,6 +97,16 @@ class Repeats:
         if not np.isfinite(self.degrees_of_freedom):
             return distance**2
         return float(self._chi_square_of(np.array(np.log1p(distance**2 / self.degrees_of_freedom))))
+
+    def _whitened(self, off: Array) -> Array:
+        root = np.linalg.cholesky(self.spread)
+        return np.asarray(np.sqrt(self.weights)[:, None] * np.linalg.solve(root, off[..., None])[..., 0])
+
+    def _scatter(self, group: int = 0, channel: int = 0) -> float:
+        return float(np.sqrt(self.spread[channel, channel] / self.weights[group]))
+
+    def _common(self, group: int = 0, channel: int = 0) -> float:
+        return float(np.linalg.norm(self.shared[:, group, channel])) if self.shared.size else 0.0
 
     def _equivalent_chi_square(self, white: Array) -> Array:
         hypothesis = np.swapaxes(white, -1, -2) @ white / self.degrees_of_freedom
@@ -117,7 +136,9 @@ def known(mean: float, sd: float) -> Repeats:
     )
 
 
-def repeats_of(values: Array, stated: Array, groups: NDArray[np.int64]) -> Repeats:
+def repeats_of(
+    values: Array, stated: Array, groups: NDArray[np.int64], shared: Array | None = None
+) -> Repeats:
     """Condense repeated measurements.
 
     Parameters
@@ -128,6 +149,8 @@ def repeats_of(values: Array, stated: Array, groups: NDArray[np.int64]) -> Repea
         Covariance each trial states for itself; NaN where it states none.
     groups : ndarray (N,)
         0 … J-1, which trials repeat each other.
+    shared : ndarray (N, K, p), optional
+        What one standard deviation of each of K errors common to all trials does to each number.
 
     Returns
     -------
@@ -142,7 +165,7 @@ def repeats_of(values: Array, stated: Array, groups: NDArray[np.int64]) -> Repea
     if freedom < channels:
         spread = stated.mean(axis=0) + np.diag((ASSUMED_SCATTER * np.abs(values).mean(axis=0)) ** 2)
         spread = _at_least(spread, np.full(channels, FINEST_SCATTER**2))
-        return _condensed(values, weights, groups, spread, np.inf)
+        return _condensed((values, shared), weights, groups, spread, np.inf)
     rough = _pooled(values, weights, groups, freedom)
     beyond = np.maximum(np.diagonal(rough) - np.diagonal(stated.mean(axis=0)), 0.0)
     variances = beyond + np.diagonal(stated, axis1=1, axis2=2) + FINEST_SCATTER**2
@@ -151,13 +174,19 @@ def repeats_of(values: Array, stated: Array, groups: NDArray[np.int64]) -> Repea
         np.average(np.diagonal(stated, axis1=1, axis2=2), axis=0, weights=weights), FINEST_SCATTER**2
     )
     pooled = _pooled(values, weights, groups, freedom)
-    condensed = _condensed(values, weights, groups, _at_least(pooled, floor), float(freedom))
+    condensed = _condensed((values, shared), weights, groups, _at_least(pooled, floor), float(freedom))
     return replace(condensed, too_alike=bool((np.diagonal(pooled) < floor).any()))
 
 
 def _condensed(
-    values: Array, weights: Array, groups: NDArray[np.int64], spread: Array, freedom: float
+    measured: tuple[Array, Array | None],
+    weights: Array,
+    groups: NDArray[np.int64],
+    spread: Array,
+    freedom: float,
 ) -> Repeats:
+    values, shared = measured
+    effects = np.empty((len(values), 0, values.shape[1])) if shared is None else shared
     means = _group_means(values, weights, groups)
     off = np.linalg.solve(np.linalg.cholesky(spread), (values - means[groups]).T)
     share = np.bincount(groups)[groups]
@@ -168,6 +197,7 @@ def _condensed(
         spread=spread,
         degrees_of_freedom=freedom,
         deviations=deviations,
+        shared=np.array([_group_means(effect, weights, groups) for effect in np.moveaxis(effects, 1, 0)]),
     )
 
 

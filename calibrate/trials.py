@@ -10,6 +10,9 @@ negative velocity; masses in kg):
 `shot`   a cue ball struck by a cue; its own columns (see the table of files in the README)
 `pair`   two bodies that meet in free motion
 =======  =======================================================================================
+
+A velocity's ``_sd`` is its whole standard deviation. Where a table also says how much of it all trials have
+in common (``approach_velocity_scale``, …; see `calibrate.shared`) that part is not averaged away by repeats.
 """
 
 from collections.abc import Iterable

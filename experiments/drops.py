@@ -10,13 +10,14 @@ import numpy.typing as npt
 
 from calibrate.rows import VELOCITIES
 from experiments.doubt import find_doubt
+from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
 from experiments.measured import Measured, cells, empty_row, judgement, only_seen
-from experiments.scales import told_scale
 from experiments.trial import Body, Trial
+from tracking.budget import Budget
 from tracking.errors import RecordingError
-from tracking.flight import STANDARD_GRAVITY, Air, Flight, flight_of_ball, position
+from tracking.flight import Flight, position
 from tracking.overlay import Moment, Scene, outline_of
-from tracking.scale import Scale, local_scale, scale_from_ball, to_metres, to_pixels
+from tracking.scale import Scale, local_scale, to_metres, to_pixels
 from tracking.shutter import with_row_times
 from tracking.track import Track, track_balls
 from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
@@ -29,34 +30,23 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     """Track, scale and fit the recording of a drop."""
     trial = measured.trial
     upper, lower = trial.body("upper"), trial.body("lower")
-    given = _given_scale(trial)
-    tracks = track_balls(
-        recording, radius=_expected_radius(given, upper, recording), lower=_lower_ratio(trial)
-    )
+    expected = _expected_radius(given_scale(trial), upper, recording)
+    tracks = track_balls(recording, radius=expected, lower=_lower_ratio(trial))
+    if expected and abs(tracks[0].radius / expected - 1) > SCALES_AGREE:  # the ruler is nearer or farther
+        tracks = track_balls(recording, lower=_lower_ratio(trial))
     measured.overlay = only_seen(*map(outline_of, tracks))
-    scale = given or scale_from_ball(tracks[0], upper.diameter or 0.0)
-    if given is None:
-        measured.remarks.append(f"scale: {scale.source}")
+    tracks[0], remarks = without_depth(tracks[0], recording)
+    scale, more_remarks = chosen_scale(trial, tracks[0])
+    measured.remarks += remarks + more_remarks
     timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
     measured.tracks = [to_metres(track, scale) for track in timed]
-    flights = [
-        _flight(body, track, measured) for body, track in zip((upper, lower), measured.tracks, strict=False)
-    ]
-    impacts = _impacts(trial, measured.tracks, flights)
+    known = [flight_of(body, track) for body, track in zip((upper, lower), measured.tracks, strict=False)]
+    measured.remarks += [remark for _, remarks in known for remark in remarks]
+    flights = [flight for flight, _ in known]
+    impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
     measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
     scenes = _scenes(impacts, measured.tracks, flights, scale)
     measured.overlay = replace(measured.overlay, scenes=scenes)
-
-
-def _given_scale(trial: Trial) -> Scale | None:
-    """Scale that does not need the ball; None if the ball is to tell it, which then has a diameter."""
-    scale = told_scale(trial)
-    if scale is None and trial.body("upper").diameter is None:
-        raise ValueError(
-            f"{trial.video.name}: nothing tells how large a pixel is; give --ball-diameter or "
-            "--metres-per-pixel"
-        )
-    return scale
 
 
 def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> float | None:
@@ -76,24 +66,15 @@ def _lower_ratio(trial: Trial) -> float | None:
     return lower / upper if upper and lower else 1.0
 
 
-def _flight(ball: Body, track: Track, measured: Measured) -> Flight:
-    """How a ball flies: through air if its mass is known."""
-    if ball.mass is None:
-        measured.remarks.append(
-            f"the {track.ball} ball's mass is not told, so air is left out: "
-            "a light ball's restitution reads low"
-        )
-        return Flight(gravity=STANDARD_GRAVITY)
-    return flight_of_ball(ball.mass, ball.diameter / 2 if ball.diameter else track.radius, Air())
-
-
-def _impacts(trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[Impact]:
+def _impacts(
+    trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight], budget: Budget
+) -> list[Impact]:
     """Measure the impacts that the model speaks of: all bounces of one ball, the first of two."""
     if trial.kind == "two":
-        impact = measure_two_ball_impact(tracks[0], tracks[1], flights)
+        impact = measure_two_ball_impact(tracks[0], tracks[1], flights, budget)
         impacts = [] if impact is None else [impact]
     else:
-        impacts = measure_impacts(tracks[0], flights[0])
+        impacts = measure_impacts(tracks[0], flights[0], budget)
     if not impacts:
         raise RecordingError(
             f"{trial.video.name}: the ball is seen but no impact: film until the ball has rebounded, with at "
@@ -104,6 +85,11 @@ def _impacts(trial: Trial, tracks: Sequence[Track], flights: Sequence[Flight]) -
 
 def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dict[str, Any]:
     """One row of the trial table."""
+    shared = {
+        f"{name}_{source}": float(effect)
+        for source, effects in impact.shared.items()
+        for name, effect in zip(VELOCITIES, effects, strict=True)
+    }
     return {
         **empty_row(trial),
         **judgement(find_doubt(impact, recording.capture_fps)),
@@ -117,6 +103,7 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
         "frames_before": impact.frames[0],
         "frames_after": impact.frames[1],
         "residual": impact.residual,
+        **shared,
     }
 
 

@@ -20,6 +20,7 @@ from experiments.shots import measure_shot_trial
 from experiments.track_table import track_table
 from experiments.trial import Trial
 from tracking.errors import RecordingError
+from tracking.steady import steadied
 from tracking.video import open_recording
 
 __all__ = ["Measured", "measure", "process"]
@@ -69,7 +70,7 @@ def measure(trial: Trial) -> Measured:
     """
     measured = Measured(trial=trial)
     try:
-        recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
+        recording = steadied(open_recording(trial.video, capture_fps=trial.camera.capture_fps))
         measured.recording = recording
         measured.remarks += recording.notes
         MEASURES[trial.kind](measured, recording)

@@ -78,6 +78,7 @@ class Camera:
     scale : mapping
         As in the file: ``{"metres_per_pixel": 0.0008}``, ``{"ball_diameter": "upper"}``, two points and
         their distance, or four corners with width and height. Empty: from the diameter of the upper ball.
+        ``"relative_sd": 0.002`` beside one of them says how well it is known.
 
     Raises
     ------
@@ -158,7 +159,7 @@ def _check_scale(scale: Any) -> None:
     """Refuse a scale that is none of the four ways to give one."""
     if not isinstance(scale, Mapping):
         raise TypeError(f"scale must be a table such as {{ metres_per_pixel = 0.0008 }}, got {shown(scale)}")
-    if scale and set(scale) not in SCALE_KEYS:
+    if scale and set(scale) - {"relative_sd"} not in SCALE_KEYS:
         ways = " or ".join(" + ".join(sorted(keys)) for keys in SCALE_KEYS)
         raise ValueError(f"scale must have {ways}, got the keys {', '.join(sorted(scale))}")
     for name, value in scale.items():
@@ -168,6 +169,9 @@ def _check_scale(scale: Any) -> None:
                 raise ValueError(f"scale: ball_diameter must name the ball {names}, got {shown(value)}")
         elif name in POINTS:
             _check_points(name, value)
+        elif name == "relative_sd":
+            if not (is_number(value) and 0 <= value < 1):
+                raise ValueError(f"scale: relative_sd must be within [0, 1), got {shown(value)}")
         else:
             require_positive(f"scale: {name}", value)
             if not SHORTEST_LENGTH <= value <= LONGEST_LENGTH:

@@ -1,6 +1,7 @@
 """Repeats: an honest spread, however few there are."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,8 +9,10 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from calibrate.intervals import joined, verdict
+from calibrate.observed import observed_restitution
 from calibrate.repeats import ASSUMED_SCATTER, FINEST_SCATTER, Repeats, known, repeats_of
 from calibrate.report import rounded
+from calibrate.trials import check_trials
 
 
 def repeats(values: NDArray[np.float64], groups: list[int], stated: float = np.nan) -> Repeats:
@@ -105,3 +108,34 @@ def test_values_are_rounded_by_their_uncertainty() -> None:
     assert rounded(0.80776, 0.0075) == "0.8078 ± 0.0075"
     assert rounded(10.04, 0.0996) == "10.04 ± 0.10"
     assert rounded(1234.5, 99.6) == "1234 ± 100"
+
+
+def test_an_error_common_to_all_trials_is_not_averaged_away() -> None:
+    values, groups = np.full((400, 1), 0.8), np.zeros(400, dtype=np.int64)
+    stated = np.full((400, 1, 1), 1e-6)
+    alike = repeats_of(values, stated, groups, shared=np.full((400, 1, 1), 0.005))
+    assert alike.mean_sd() == pytest.approx(0.005, rel=0.01)
+    assert abs(alike.distances([[0.81]])[0]) == pytest.approx(2.0, rel=0.02)
+    low, high = alike.interval(0.95)
+    assert high - low == pytest.approx(2 * 1.96 * 0.005, rel=0.01)
+
+
+def test_a_wrong_scale_moves_velocities_but_not_their_ratio() -> None:
+    speed = np.linspace(2.0, 3.0, 6)
+    table = {
+        "kind": ["plate"] * 6,
+        "approach_velocity": -speed,
+        "upper_rebound_velocity": 0.8 * speed,
+        "approach_velocity_scale": -0.02 * speed,
+        "upper_rebound_velocity_scale": 0.016 * speed,
+        "approach_velocity_sd": np.hypot(0.02, 0.001) * speed,
+        "upper_rebound_velocity_sd": np.hypot(0.016, 0.001) * speed,
+    }
+    told = observed_restitution(check_trials(pd.DataFrame(table)), "plate")
+    silent = observed_restitution(
+        check_trials(pd.DataFrame(table)[["kind", *[c for c in table if c.endswith(("velocity", "sd"))]]]),
+        "plate",
+    )
+    assert told is not None
+    assert silent is not None
+    assert told.repeats.mean_sd() < 0.001 < 0.005 < silent.repeats.mean_sd()

@@ -8,6 +8,7 @@ from clips import Clip
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tracking.budget import Budget
 from tracking.flight import Air, Flight, flight_of_ball, position
 from tracking.scale import scale_from_metres_per_pixel, to_metres
 from tracking.track import Track, track_balls
@@ -79,6 +80,49 @@ def test_uncertainty_shrinks_with_more_frames() -> None:
         for clean in (bounce(-2.0, 1.7, fps=60), bounce(-2.0, 1.7, fps=960))
     )
     assert fast.sd[0] < 0.6 * slow.sd[0]
+
+
+def test_errors_of_frames_alike_do_not_average_away() -> None:
+    clean = bounce(-2.0, 1.7, fps=240)
+    rng = np.random.default_rng(3)
+    alike = np.exp(-np.abs(np.subtract.outer(clean.y, clean.y)) / RADIUS)
+    pulls = []
+    for bias in rng.multivariate_normal(np.zeros(len(clean.y)), 8e-5**2 * alike, size=20):
+        track = as_track(clean.time, clean.y + bias, 2e-5, seed=1)
+        impact = only(measure_impacts(replace(track, shared_sd=8e-5), BALL))
+        pulls.append((impact.velocities[:2] - (-2.0, 1.7)) / impact.sd[:2])
+    assert 0.6 < np.std(pulls) < 1.3
+
+
+def test_each_shared_error_does_what_putting_it_in_does() -> None:
+    track = bounce(-2.0, 1.7)
+    budget = Budget(drag=0.1, scale=0.003, rate=0.002, gravity=0.0015, readout=0.001)
+    told = only(measure_impacts(track, BALL, budget))
+    changed = {
+        "drag": (track, replace(BALL, terminal_speed=BALL.terminal_speed / 1.1**0.5)),
+        "scale": (replace(track, y=1.003 * track.y), BALL),
+        "rate": (replace(track, time=1.002 * track.time), BALL),
+        "readout": (replace(track, time=track.time - 0.001 * track.y), BALL),
+        "gravity": (track, flight_of_ball(0.0027, RADIUS, Air(), gravity=1.0015 * 9.80665)),
+    }
+    for source, (other, flight) in changed.items():
+        moved = only(measure_impacts(other, flight)).velocities - told.velocities
+        assert told.shared[source][:2] == pytest.approx(moved[:2], rel=0.1), source
+
+
+def test_covariance_is_that_of_the_frames_and_of_all_they_share() -> None:
+    track = bounce(-2.0, 1.7)
+    frames = only(measure_impacts(track, BALL))
+    told = only(measure_impacts(track, BALL, Budget(drag=0.1, scale=0.01)))
+    added = sum(np.outer(effect[:2], effect[:2]) for effect in told.shared.values())
+    assert told.covariance[:2, :2] == pytest.approx(frames.covariance[:2, :2] + added)
+    assert told.gravity_check_sd == pytest.approx(np.hypot(frames.gravity_check_sd, 0.01), rel=0.1)
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.0, float("nan")])
+def test_impossible_uncertainties_are_refused(share: float) -> None:
+    with pytest.raises(ValueError, match=r"scale must be within \[0, 1\), got"):
+        Budget(scale=share)
 
 
 def test_neglected_air_reads_as_a_lower_restitution() -> None:

@@ -4,14 +4,17 @@ The way of a recording through the room, one file a step:
 
 ===============  ========================================================================
 `video`          the only file that decodes: frames, true time stamps, capture rate
+`steady`         the drift of a camera held in a hand, undone
 `detect`         a picture → patches that differ from the background
 `path`           patches of all pictures → the one path that is the ball's
 `circle`         the ball's rim to a fraction of a pixel
 `track`          all of these → one `Track` per ball, in pixels
+`depth`          motion towards the camera, seen in the ball's size and undone
 `scale`          pixels, y down → metres, y up
 `bounce`         where in a track the impacts lie
 `flight`         how a ball flies through air, in closed form
 `joint`          flights that meet at an impact, fitted together
+`budget`         what scale, air, rate, gravity and readout may do to all frames alike
 `velocity`       `Track` → `Impact`: velocities, covariance, gravity check
 `strike`         a cue shot: the ball that is struck, and the cue's tip; `shot` measures it
 `pair`           two discs that meet; `pair_impact` measures them

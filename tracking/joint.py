@@ -34,7 +34,8 @@ class P(IntEnum):
 class Side:
     """One ball's frames on one side of the impact, (n,) arrays in s and m, and the parameters that rule them.
 
-    `velocity` is None for a ball at rest.
+    `velocity` is None for a ball at rest. Besides its own error `sd` each frame has one that it shares with
+    frames of like height, `shared_sd`; two frames are alike if they are not further apart than `alike`, m.
     """
 
     time: FloatArray
@@ -43,6 +44,8 @@ class Side:
     start: P
     velocity: P | None
     flight: Flight
+    shared_sd: float = 0.0
+    alike: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,18 +64,22 @@ class Meeting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointFit:
-    """Fitted parameters (indexed by `P`), their covariance (NaN where held fixed), residual RMS in m."""
+    """Fitted parameters (indexed by `P`), their covariance (NaN where held fixed), residual RMS in m.
+
+    `gain`, (parameters, residuals), is how much each parameter follows each of the weighted distances.
+    """
 
     parameters: FloatArray
     covariance: FloatArray
     residual: float
+    gain: FloatArray
 
 
 def fit_meeting(meeting: Meeting, start: FloatArray, free: list[P], *, robust: bool = False) -> JointFit:
     """Fit the `free` parameters of a meeting, the others held at `start`.
 
-    The covariance is widened where the frames scatter more than their rims tell, and where neighbouring
-    frames err alike (compression and background texture do that); it is never narrowed.
+    The covariance is widened where the frames scatter more than their rims tell, where neighbours among them
+    err alike, and by the errors that frames share; it is never narrowed.
     """
 
     def residuals(values: FloatArray) -> FloatArray:
@@ -90,12 +97,41 @@ def fit_meeting(meeting: Meeting, start: FloatArray, free: list[P], *, robust: b
     parameters = start.copy()
     parameters[free] = fit.x
     excess = max(1.0, 2 * float(fit.cost) / max(meeting.frames - len(free), 1)) * _memory(meeting, parameters)
+    inverse = np.linalg.pinv(fit.jac.T @ fit.jac)
+    gain = inverse @ fit.jac.T
     covariance = np.full((len(P), len(P)), np.nan)
-    covariance[np.ix_(free, free)] = np.linalg.pinv(fit.jac.T @ fit.jac) * excess
+    covariance[np.ix_(free, free)] = inverse * excess + gain @ _shared_errors(meeting, len(fit.fun)) @ gain.T
+    everything = np.zeros((len(P), len(fit.fun)))
+    everything[free] = gain
     distance = np.concatenate([side.height - heights(side, parameters) for side in meeting.sides])
     return JointFit(
-        parameters=parameters, covariance=covariance, residual=float(np.sqrt(np.mean(distance**2)))
+        parameters=parameters,
+        covariance=covariance,
+        residual=float(np.sqrt(np.mean(distance**2))),
+        gain=everything,
     )
+
+
+def _shared_errors(meeting: Meeting, size: int) -> FloatArray:
+    """Covariance, in standard deviations, of what frames of like height share: background, compression.
+
+    It is the same on the way down and up: the same ball before the same background.
+    """
+    height = np.concatenate([side.height for side in meeting.sides])
+    ball = np.concatenate([np.full(len(side.time), side.start) for side in meeting.sides])
+    share = np.concatenate([side.shared_sd / side.sd for side in meeting.sides])
+    alike = np.concatenate([np.full(len(side.time), side.alike) for side in meeting.sides])
+    apart = np.abs(np.subtract.outer(height, height)) / alike
+    covariance = np.zeros((size, size))
+    frames = len(height)
+    covariance[:frames, :frames] = np.outer(share, share) * np.exp(-apart) * np.equal.outer(ball, ball)
+    return covariance
+
+
+def moved(fit: JointFit, meeting: Meeting, changed: Meeting) -> FloatArray:
+    """How far the fitted parameters move if the meeting is `changed` a little, to first order."""
+    before = weighted_distances(meeting, fit.parameters)
+    return -fit.gain @ (weighted_distances(changed, fit.parameters) - before)
 
 
 def _memory(meeting: Meeting, parameters: FloatArray) -> float:

@@ -17,6 +17,10 @@ FloatArray = npt.NDArray[np.float64]
 Point = Sequence[float]
 
 CLICK_PX = 1.0  # how well a person marks a point
+GIVEN_SD = 0.003  # of a scale told as a number: two marks half a picture apart tell no better
+PLANE_SD = 0.005  # a ruler 1 cm behind the ball, seen from 2 m
+OUTLINE_PX = 0.3  # a rim found by its steepest gradient lies this far inside or outside the ball's
+DIAMETER_SD = 0.005  # of a ball's nominal diameter: the rules of table tennis allow ± 1 %
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +42,7 @@ class Scale:
     source: str
 
 
-def scale_from_metres_per_pixel(metres_per_pixel: float, *, relative_sd: float = 0.0) -> Scale:
+def scale_from_metres_per_pixel(metres_per_pixel: float, *, relative_sd: float = GIVEN_SD) -> Scale:
     """Take the scale as given.
 
     Raises
@@ -71,7 +75,7 @@ def scale_from_points(first: Point, second: Point, distance: float) -> Scale:
     length = float(np.hypot(second[0] - first[0], second[1] - first[1]))
     if not length >= 10 * CLICK_PX:
         raise ValueError(f"points_px must lie at least {10 * CLICK_PX:g} px apart, got {length:.3g} px")
-    scale = scale_from_metres_per_pixel(distance / length, relative_sd=np.sqrt(2) * CLICK_PX / length)
+    scale = scale_from_metres_per_pixel(distance / length, relative_sd=_marked(length))
     return replace(scale, source=f"{distance:g} m between two points {length:.1f} px apart")
 
 
@@ -84,8 +88,9 @@ def scale_from_ball(track: Track, diameter: float) -> Scale:
         If the diameter is not positive.
     """
     _require_positive("ball_diameter", diameter)
+    outline = np.hypot(track.radius_sd, OUTLINE_PX) / track.radius
     scale = scale_from_metres_per_pixel(
-        diameter / (2 * track.radius), relative_sd=float(np.hypot(track.radius_sd, 0.1) / track.radius)
+        diameter / (2 * track.radius), relative_sd=float(np.hypot(outline, DIAMETER_SD))
     )
     name = track.ball.removesuffix(" ball")
     return replace(scale, source=f"{name} ball, {diameter * 1e3:g} mm wide, {2 * track.radius:.1f} px")
@@ -117,9 +122,14 @@ def scale_from_corners(corners: Sequence[Point], width: float, height: float) ->
     side = float(np.linalg.norm(np.diff(picture, axis=0), axis=1).min())
     return Scale(
         matrix=np.asarray(cv2.getPerspectiveTransform(picture, plane), dtype=np.float64),
-        relative_sd=np.sqrt(2) * CLICK_PX / side,
+        relative_sd=_marked(side),
         source=f"four corners of {width:g} m x {height:g} m",
     )
+
+
+def rescaled(scale: Scale, factor: float) -> Scale:
+    """Give all lengths `factor` times as long."""
+    return replace(scale, matrix=np.diag([factor, factor, 1.0]) @ scale.matrix)
 
 
 def to_metres(track: Track, scale: Scale) -> Track:
@@ -135,6 +145,7 @@ def to_metres(track: Track, scale: Scale) -> Track:
         y_sd=track.y_sd * magnification,
         radius=track.radius * float(np.median(magnification)),
         radius_sd=track.radius_sd * float(np.median(magnification)),
+        shared_sd=track.shared_sd * float(np.median(magnification)),
     )
 
 
@@ -154,6 +165,11 @@ def local_scale(scale: Scale, x: FloatArray, y: FloatArray) -> FloatArray:
     """Metres per pixel at points of the picture: the root of the area magnification."""
     w = scale.matrix[2] @ np.vstack((x, y, np.ones_like(x)))
     return np.asarray(np.sqrt(np.abs(np.linalg.det(scale.matrix))) / np.abs(w) ** 1.5)
+
+
+def _marked(length: float) -> float:
+    """Relative uncertainty of a length (px) between two marks, which may lie off the plane of motion."""
+    return float(np.hypot(np.sqrt(2) * CLICK_PX / length, PLANE_SD))
 
 
 def _require_positive(name: str, value: float) -> None:

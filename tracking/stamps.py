@@ -12,6 +12,8 @@ BoolArray = npt.NDArray[np.bool_]
 
 CAPTURE_RATE_TAGS = ("com.android.capture.fps", "com.apple.quicktime.capture-fps", "capture_fps")
 FASTEST_CAMERA = 1e6  # frames/s
+CLOCK_SD = 1e-4  # of a rate that time stamps tell: a camera's crystal, not trimmed
+NOMINAL_RATE_SD = 2e-3  # of a rate that a person or a tag tells: "240" may be 239.76, or 240.5
 RATE_TOLERANCE = 0.02  # a tag this close to the file's own rate says nothing new
 REPEAT_LEVEL = 3.0  # grey levels: two encodings of one picture differ by less
 REPEAT_SHARE = 0.2  # ... and by less than this share of what a genuine neighbour differs by

@@ -1,7 +1,7 @@
 """Images → one `Track` per ball, in pixels."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ FEWEST_FRAMES = 8
 KEPT_BYTES = 200_000_000
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
+SHARED_PX = 0.1  # compression and texture behind the ball shift it by this, alike in frames of like height
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
 
 
@@ -29,7 +30,9 @@ class Track:
 
     `frame` numbers frames in the file, `time` is in s, `arc` is the part of the rim that was seen, rad.
     `x`, `y`, their standard deviations and `radius` are in pixels with y down (`unit` "px") as they come
-    from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`.
+    from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`. So is `shared_sd`: an error
+    of the centre that no rim shows, shared by frames in which the ball stands before the same background.
+    `sizes` (px always) is the radius seen in each frame by itself; empty where it was not asked for.
     """
 
     ball: str
@@ -43,6 +46,8 @@ class Track:
     arc: FloatArray
     radius: float
     radius_sd: float
+    shared_sd: float = 0.0
+    sizes: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(slots=True)
@@ -212,6 +217,8 @@ def _as_track(ball: str, sightings: list[_Sighting], recording: Recording) -> Tr
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
+        shared_sd=SHARED_PX,
+        sizes=np.array([s.circle.radius for s, _ in seen]),
     )
 
 

@@ -18,56 +18,14 @@ import numpy.typing as npt
 
 from tracking import stamps
 from tracking.errors import RecordingError
+from tracking.recording import Frame, Image, Recording, held_still
+
+__all__ = ["Frame", "Recording", "open_recording", "read_frames"]
 
 FloatArray = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
 
 BACKGROUND_SAMPLES = 25
 WHOLE = 0.98  # a file with this share of the frames it announces is not cut short
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
-    """One picture: its number in the file, its time of capture, s, and its (height, width, 3) BGR levels."""
-
-    index: int
-    time: float
-    image: Image
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Recording:
-    """What one reading of a file told about it.
-
-    Attributes
-    ----------
-    path : Path
-    times : (n,) array
-        Time of capture of every stored frame, s, first frame at its own stamp.
-    genuine : (n,) array of bool
-        False where a frame stores its predecessor's picture again.
-    samples : list of (height, width, 3) arrays
-        At most 50 pictures spread over the recording, from which the background is made.
-    capture_fps : float
-        Pictures captured a second.
-    quarter_turns : int
-        Counter-clockwise turns that made the stored pictures upright, 0 to 3.
-    notes : tuple of str
-        What was found out or assumed, for the person who made the recording.
-    """
-
-    path: Path
-    times: FloatArray
-    genuine: npt.NDArray[np.bool_]
-    samples: list[Image]
-    capture_fps: float
-    quarter_turns: int = 0
-    notes: tuple[str, ...] = ()
-
-    @property
-    def bytes(self) -> int:
-        """Memory that all genuine frames take together."""
-        return int(self.genuine.sum()) * self.samples[0].nbytes
 
 
 def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Recording:
@@ -116,6 +74,7 @@ def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Rec
         genuine=genuine,
         samples=scan.samples,
         capture_fps=float(1 / np.median(np.diff(times[genuine] * factor))),
+        rate_sd=stamps.NOMINAL_RATE_SD if rate_notes else stamps.CLOCK_SD,
         quarter_turns=scan.quarter_turns,
         notes=(*scan.notes, *stamp_notes, *rate_notes, *repeat_notes),
     )
@@ -128,7 +87,10 @@ def read_frames(recording: Recording) -> Iterator[Frame]:
         pictures = container.decode(container.streams.video[0])
         for index, (time, picture) in enumerate(zip(recording.times, pictures, strict=False)):
             if recording.genuine[index]:
-                yield Frame(index=index, time=float(time), image=_upright(picture, stretch))
+                image = _upright(picture, stretch)
+                if recording.drift is not None:
+                    image = held_still(image, recording.drift[index])
+                yield Frame(index=index, time=float(time), image=image)
 
 
 @dataclass(slots=True, kw_only=True)
