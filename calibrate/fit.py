@@ -19,6 +19,7 @@ from calibrate.outcome import (
     mass_pairs,
     restitution_estimates,
     stiffness_estimate,
+    valleys_of,
 )
 from calibrate.profile import trace_profile
 from calibrate.repeats import Repeats, known
@@ -107,19 +108,21 @@ def fit_stiffness_ratio(
     misfit = _misfit(own, found.two, exponent)
     profile = trace_profile(misfit)
     pairs = mass_pairs(misfit, profile, found.two)
+    most = pairs[int(np.argmax(found.two.trials))]
     ratio = stiffness_estimate(profile)
     ball_ball_estimate, ball_table_estimate = restitution_estimates(misfit, profile)
     return Calibration(
         restitution_ball_ball=ball_ball_estimate,
         restitution_ball_table=ball_table_estimate,
         stiffness_ratio=ratio,
-        states=pairs[int(np.argmax(found.two.trials))].states,
+        states=most.states,
         pairs=pairs,
         chi_square=profile.basins[0].chi_square,
         degrees_of_freedom=misfit.degrees_of_freedom,
         exponent=exponent,
         notes=(*notes_on_trials(trials, found, own), *notes_on_fit(misfit, profile, ratio)),
-        profile=curve_of(profile),
+        profile=curve_of(misfit, profile, most.mass_ratio),
+        valleys=valleys_of(profile),
         provenance=provenance or {},
     )
 

@@ -40,12 +40,21 @@ def fit(
             help="For heights and intervals: NAME=MASS,DIAMETER (kg, m) of a ball, to allow for air."
         ),
     ] = None,
+    shot_ball: Annotated[
+        tuple[float, float], typer.Option(help="For shots: mass and diameter of the cue ball, kg, m.")
+    ] = (0.17, 0.05715),
+    cue_mass: Annotated[float, typer.Option(help="For shots: of the cue, kg.")] = 0.54,
+    fix: Annotated[
+        list[str] | None, typer.Option(help="For shots: NAME=VALUE of a parameter not to be fitted.")
+    ] = None,
 ) -> None:
     """Fit restitutions and stiffness ratio to tables; write fit.json and figures.
 
-    Tables of rebound heights or of times between bounces give restitution over speed instead.
+    Tables of rebound heights or of times between bounces give restitution over speed instead, and shots the
+    contacts of tip and cloth.
     """
     from calibrate.readings import holds_readings
+    from calibrate.rows import TrialTableError
 
     kinds = {holds_readings(table) for table in tables}
     if kinds == {True, False}:
@@ -54,10 +63,19 @@ def fit(
         failed = fit_readings(tables, out, bodies_of(ball or []))
     else:
         options = {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table}
-        calibrated(tables, out, options)
+        there = kinds_in(tables)
+        failed = failed_trials(tables)
+        if "shot" in there:
+            try:
+                fit_shots(tables, out, (*shot_ball, cue_mass), fixed_of(fix or []))
+            except TrialTableError as error:
+                if there == {"shot"}:
+                    raise
+                failed.append(str(error))
+        if there - {"shot"}:
+            calibrated(tables, out, options)
         if force_law:
             compare_laws(tables, out, ball_ball, ball_table)
-        failed = failed_trials(tables)
     for sentence in failed:
         typer.echo(f"impactlab: {sentence}", err=True)
     if failed:
@@ -79,6 +97,30 @@ def calibrated(tables: Sequence[Path], out: Path, options: dict[str, Any]) -> "C
         profile_plot.main(out, calibration)
     typer.echo(str(calibration))
     return calibration
+
+
+def kinds_in(tables: Sequence[Path]) -> set[str]:
+    """Kinds of the usable trials; of all of them, if none is usable, so that the fit can say so."""
+    from calibrate.trials import read_trials
+
+    trials = read_trials(tables)
+    usable = trials[trials["status"] == "ok"]
+    return set(usable["kind"]) or set(trials["kind"]) - {"shot"} or {"shot"}
+
+
+def fit_shots(
+    tables: Sequence[Path], out: Path, sizes: tuple[float, float, float], fixed: dict[str, float]
+) -> None:
+    """Fit the contacts of shots (sizes: mass, diameter, cue mass); print, and write shot_fit.json."""
+    from calibrate.shot_fit import fit_shot
+    from calibrate.trials import read_trials
+    from impact import Ball, Cue
+
+    mass, diameter, cue_mass = sizes
+    ball, cue = Ball(mass=mass, radius=diameter / 2), Cue(mass=cue_mass)
+    calibration = fit_shot(read_trials(tables), ball=ball, cue=cue, fixed=fixed)
+    calibration.save(out / "shot_fit.json")
+    typer.echo(str(calibration))
 
 
 def compare_laws(tables: Sequence[Path], out: Path, ball_ball: Known, ball_table: Known) -> None:
@@ -137,3 +179,21 @@ def bodies_of(words: Sequence[str]) -> dict[str, tuple[float, float]]:
             raise ValueError(f"ball must be NAME=MASS,DIAMETER in kg and m, got {word!r}") from None
         bodies[name] = (mass, diameter)
     return bodies
+
+
+def fixed_of(words: Sequence[str]) -> dict[str, float]:
+    """Understand NAME=VALUE.
+
+    Examples
+    --------
+    >>> fixed_of(["tip_ball_friction=0.6"])
+    {'tip_ball_friction': 0.6}
+    """
+    fixed = {}
+    for word in words:
+        name, _, value = word.partition("=")
+        try:
+            fixed[name] = float(value)
+        except ValueError:
+            raise ValueError(f"fix must be NAME=VALUE, got {word!r}") from None
+    return fixed
