@@ -9,12 +9,13 @@ from tracking.velocity import Impact
 
 GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
 SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
+CERTAIN = 3.0  # standard deviations
+RAMP = 1.7  # ratio of the gravities before and after an impact: between two rates it is their ratio squared
 VAGUE = 0.1  # of the approach speed: a velocity known no better tells nothing
 MOMENTUM_TOLERANCE = 0.05  # of the momentum before; beyond it, and three sd, something else took part
-USUAL_RATES = (25, 30, 50, 60, 100, 120, 240, 300, 480, 600, 960, 1000)  # frames/s
 
 
-def find_doubt(impact: Impact, capture_fps: float) -> str:
+def find_doubt(impact: Impact, capture_fps: float, likely_fps: int | None = None) -> str:
     """Say what is wrong with an impact and what helps; empty if nothing is.
 
     Parameters
@@ -23,16 +24,27 @@ def find_doubt(impact: Impact, capture_fps: float) -> str:
         As measured.
     capture_fps : float
         Frames/s at which the recording is believed to be captured.
+    likely_fps : int, optional
+        Frames/s at which it would show gravity as it is.
     """
-    check, sd = impact.gravity_check, impact.gravity_check_sd
-    if not abs(check - 1) <= max(GRAVITY_TOLERANCE, 3 * sd):
-        return _wrong_gravity(check, capture_fps)
+    changed = _changing_rate(impact)
+    if changed:
+        return changed
+    if gravity_is_wrong(impact):
+        return _wrong_gravity(impact, capture_fps, likely_fps)
     approach, rebound = impact.velocities[:2]
     vague = float(np.nanmax(impact.sd))
     if not vague <= VAGUE * abs(approach):
         return (
             f"a velocity is known to ± {vague:.2g} m/s only; film the ball larger and sharper, "
             "with more frames before and after the impact"
+        )
+    apart = np.abs(impact.free_velocities - impact.velocities)
+    if np.any(apart > CERTAIN * np.hypot(impact.free_sd, impact.sd)):
+        free = ", ".join(f"{value:.3f}" for value in impact.free_velocities if np.isfinite(value))
+        return (
+            f"the frames by themselves tell {free} m/s, more than {CERTAIN:g} standard deviations from the "
+            "flights; look at the overlay, and check mass, scale and rate"
         )
     sideways = abs(float(impact.sideways[1] - impact.sideways[0]))
     if sideways > SIDEWAYS_TOLERANCE * abs(rebound):
@@ -75,14 +87,31 @@ def find_pair_doubt(impact: PairImpact) -> str:
     return ""
 
 
-def _wrong_gravity(check: float, capture_fps: float) -> str:
-    """Say what the fitted gravity tells of the time base or the scale."""
-    fitted = f"fitted gravity is {check * STANDARD_GRAVITY:.2f} m/s²"
-    rate = capture_fps / np.sqrt(check) if check > 0 else np.nan
-    usual = [fps for fps in USUAL_RATES if abs(rate / fps - 1) < 0.08]
-    if usual and abs(usual[0] / capture_fps - 1) > 0.2:
+def _changing_rate(impact: Impact) -> str:
+    """Say that time runs differently before and after the impact: a slow-motion ramp; empty if not."""
+    before, after = impact.free_gravity
+    sd = float(np.hypot(*impact.free_gravity_sd))
+    ratio = before / after if after > 0 else np.nan
+    if abs(before - after) > CERTAIN * sd and not 1 / RAMP < ratio < RAMP:
         return (
-            f"{fitted}: this looks like {usual[0]} fps stored as {capture_fps:.4g}; "
-            f"use --capture-fps {usual[0]}"
+            f"gravity is {before:.2g} m/s² before the impact and {after:.2g} after it, so the rate changes "
+            "within the recording (a slow-motion ramp); export it at one rate throughout"
+        )
+    return ""
+
+
+def gravity_is_wrong(impact: Impact) -> bool:
+    """Tell whether the ball falls so wrongly that scale or time base must be off."""
+    off = abs(impact.gravity_check - 1)
+    return not off <= max(GRAVITY_TOLERANCE, CERTAIN * impact.gravity_check_sd)
+
+
+def _wrong_gravity(impact: Impact, capture_fps: float, likely_fps: int | None) -> str:
+    """Say what the fitted gravity tells of the time base or the scale."""
+    fitted = f"fitted gravity is {impact.gravity_check * STANDARD_GRAVITY:.2f} m/s²"
+    if likely_fps is not None:
+        return (
+            f"{fitted}: this looks like {likely_fps} fps stored as {capture_fps:.4g}; "
+            f"use --capture-fps {likely_fps}"
         )
     return f"{fitted}: check the scale (--ball-diameter, --metres-per-pixel) and the rate (--capture-fps)"

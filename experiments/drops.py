@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from calibrate.rows import VELOCITIES
-from experiments.doubt import find_doubt
+from experiments.doubt import find_doubt, gravity_is_wrong
 from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
 from experiments.measured import Measured, cells, empty_row, judgement, only_seen
+from experiments.rates import likely_rate
 from experiments.trial import Body, Trial
 from tracking.budget import Budget
 from tracking.errors import RecordingError
@@ -44,7 +45,10 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     measured.remarks += [remark for _, remarks in known for remark in remarks]
     flights = [flight for flight, _ in known]
     impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
-    measured.rows = [_row(trial, impact, number, recording) for number, impact in enumerate(impacts, start=1)]
+    believed = recording.capture_fps
+    wrong = any(map(gravity_is_wrong, impacts))
+    rates = (believed, likely_rate(measured.tracks[0], flights[0], believed) if wrong else None)
+    measured.rows = [_row(trial, impact, number, rates) for number, impact in enumerate(impacts, start=1)]
     scenes = _scenes(impacts, measured.tracks, flights, scale)
     measured.overlay = replace(measured.overlay, scenes=scenes)
 
@@ -83,8 +87,8 @@ def _impacts(
     return impacts
 
 
-def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dict[str, Any]:
-    """One row of the trial table."""
+def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | None]) -> dict[str, Any]:
+    """One row of the trial table; rates of capture as believed, and as gravity tells where it is off."""
     shared = {
         f"{name}_{source}": float(effect)
         for source, effects in impact.shared.items()
@@ -92,12 +96,13 @@ def _row(trial: Trial, impact: Impact, number: int, recording: Recording) -> dic
     }
     return {
         **empty_row(trial),
-        **judgement(find_doubt(impact, recording.capture_fps)),
+        **judgement(find_doubt(impact, *rates)),
         "impact": number,
         "time": impact.time,
         **cells(VELOCITIES, list(impact.velocities), list(impact.sd)),
         "gravity_check": impact.gravity_check,
         "gravity_check_sd": impact.gravity_check_sd,
+        **cells([f"{name}_free" for name in VELOCITIES], list(impact.free_velocities), list(impact.free_sd)),
         "sideways_before": impact.sideways[0],
         "sideways_after": impact.sideways[1],
         "frames_before": impact.frames[0],

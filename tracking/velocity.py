@@ -15,6 +15,7 @@ from tracking.bounce import FEWEST_FRAMES, Bounce, crossing, find_bounces
 from tracking.budget import NOTHING_SHARED, Budget
 from tracking.flight import Flight
 from tracking.joint import JointFit, Meeting, P, Side, fit_meeting, moved, without_outliers
+from tracking.model_free import UNKNOWN, free_parabolas
 from tracking.sides import first_guess, lower_sides, slope, upper_sides
 from tracking.track import Track
 
@@ -45,6 +46,11 @@ class Impact:
     gravity_check, gravity_check_sd : float
         Fitted over expected acceleration of the flights: 1 if scale and time base are right; and how far from
         1 it may be by chance and by what is shared.
+    free_velocities, free_sd : (3,) arrays
+        The velocities again from a parabola through each side's frames alone, m/s; NaN where there are too
+        few frames for one.
+    free_gravity, free_gravity_sd : (2,) arrays
+        Acceleration of those parabolas before and after, downwards, m/s².
     sideways : (2,) array
         Sideways velocity of the upper ball before and after, m/s.
     frames : (2,) tuple of int
@@ -60,6 +66,10 @@ class Impact:
     shared: Mapping[str, FloatArray]
     gravity_check: float
     gravity_check_sd: float
+    free_velocities: FloatArray
+    free_sd: FloatArray
+    free_gravity: FloatArray
+    free_gravity_sd: FloatArray
     sideways: FloatArray
     frames: tuple[int, int]
     residual: float
@@ -139,6 +149,8 @@ def _measure(track: Track, bounce: Bounce, meeting: Meeting, budget: Budget) -> 
     falling = fit_meeting(meeting, fit.parameters, [*free, P.GRAVITY])
     shared = _effects(fit, meeting, budget)
     weighed = _effects(falling, meeting, budget)
+    parabolas = free_parabolas(meeting.sides, float(fit.parameters[P.TIME]))
+    free_sides = [parabolas.get(place, UNKNOWN) for place in VELOCITIES]
     return Impact(
         time=float(fit.parameters[P.TIME]),
         height=float(fit.parameters[P.HEIGHT]),
@@ -153,6 +165,10 @@ def _measure(track: Track, bounce: Bounce, meeting: Meeting, budget: Budget) -> 
                 + sum(effect[P.GRAVITY] ** 2 for effect in weighed.values())
             )
         ),
+        free_velocities=np.array([side.velocity for side in free_sides]),
+        free_sd=np.array([side.velocity_sd for side in free_sides]),
+        free_gravity=np.array([-side.acceleration for side in free_sides[:2]]),
+        free_gravity_sd=np.array([side.acceleration_sd for side in free_sides[:2]]),
         sideways=np.array([slope(track.time[i], track.x[i]) for i in (bounce.before, bounce.after)]),
         frames=(len(meeting.sides[0].time), len(meeting.sides[1].time)),
         residual=fit.residual,

@@ -1,0 +1,75 @@
+"""What makes an impact suspect, and the remedy that goes with it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from experiments.doubt import find_doubt
+from experiments.rates import likely_rate
+from tracking.flight import Air, Flight, flight_of_ball, position
+from tracking.track import Track
+from tracking.velocity import Impact, measure_impacts
+
+BALL = flight_of_ball(0.0027, 0.020, Air())
+AT = 0.1501
+
+
+def bounce(flight: Flight = BALL, sideways: float = 0.0) -> Track:
+    """A fall and the rise from it, 240 frames a second, 0.1 mm of noise."""
+    time = np.arange(82) / 240
+    noise = 1e-4 * np.random.default_rng(6).standard_normal((2, len(time)))
+    velocity = np.where(time < AT, -2.0, 1.7)
+    fine = np.full(len(time), 1e-4)
+    return Track(
+        ball="upper",
+        unit="m",
+        frame=np.arange(len(time)),
+        time=time,
+        x=np.where(time < AT, 0.0, sideways) * (time - AT) + noise[0],
+        y=0.02 + position(flight, velocity, time - AT) + noise[1],
+        x_sd=fine,
+        y_sd=fine,
+        arc=np.full(len(time), 2 * np.pi),
+        radius=0.02,
+        radius_sd=1e-5,
+    )
+
+
+def first(track: Track, flight: Flight = BALL) -> Impact:
+    return measure_impacts(track, flight)[0]
+
+
+def test_a_good_impact_leaves_no_doubt() -> None:
+    impact = first(bounce())
+    assert find_doubt(impact, 240) == ""
+    assert impact.free_velocities[:2] == pytest.approx([-2.0, 1.7], abs=3 * impact.free_sd[:2].max())
+    assert impact.free_gravity == pytest.approx([9.6, 9.6], rel=0.1)
+
+
+def test_a_model_the_frames_contradict_is_suspect() -> None:
+    wrong = replace(BALL, gravity=0.9 * BALL.gravity)
+    doubt = find_doubt(first(bounce(), wrong), 240)
+    assert "the frames by themselves tell -2.0" in doubt
+    assert "check mass, scale and rate" in doubt
+
+
+def test_a_ramp_into_slow_motion_is_suspect() -> None:
+    track = bounce()
+    ramp = replace(track, time=np.where(track.time < AT, track.time, AT + 2 * (track.time - AT)))
+    doubt = find_doubt(first(ramp), 240)
+    assert "the rate changes within the recording (a slow-motion ramp); export it at one rate" in doubt
+
+
+def test_a_rebound_to_the_side_is_suspect() -> None:
+    impact = first(bounce(sideways=0.6))
+    assert impact.sideways == pytest.approx([0.0, 0.6], abs=0.02)
+    assert find_doubt(impact, 240).startswith("the ball rebounds sideways (0.60 m/s), so the hit was not")
+
+
+@pytest.mark.parametrize(("stored", "captured"), [(30, 240), (25, 100)])
+def test_slow_motion_stored_as_ordinary_film_is_recognized(stored: int, captured: int) -> None:
+    track = bounce()
+    slow = replace(track, time=track.time * captured / stored)
+    doubt = find_doubt(first(slow), stored, likely_rate(slow, BALL, stored))
+    assert doubt.endswith(f"{captured} fps stored as {stored}; use --capture-fps {captured}")
