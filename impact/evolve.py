@@ -14,7 +14,9 @@ from impact.kernel import (
     FRICTIONLESS,
     HEAT,
     INACTIVE,
+    SLIDING,
     SPEED_FLOOR,
+    STARTING,
     Contact,
     Core,
     compiled,
@@ -220,7 +222,7 @@ def absorb(core: Core, time: float) -> None:
         contact = core.contacts[index]
         contact.compression = value_at(contact.compressions, time)
         contact.compressions[0] = contact.compression
-        if core.rows > 1:
+        if contact.phase != INACTIVE and contact.mode in (STARTING, SLIDING):
             contact.friction_work += value_at(contact.slips[HEAT], time)
         for axis in range(core.rows):
             contact.velocity[axis] = value_at(contact.velocities[axis], time)

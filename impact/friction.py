@@ -42,6 +42,7 @@ def friction_terms(core: Core, order: int) -> None:
         contact = core.contacts[index]
         if contact.phase == INACTIVE:
             continue
+        contact.slips[HEAT, 0] = 0.0
         if contact.mode == SLIDING:
             _direction_term(contact, order)
             _sliding_term(contact, order)

@@ -154,8 +154,10 @@ def acceleration(core: Core, row: int, order: int) -> float:
     for index in range(core.contacts.size):
         contact = core.contacts[index]
         if contact.phase != INACTIVE:
-            for axis in range(core.rows):
-                total += core.delassus[row, column + axis] * contact.forces[axis, order]
+            total += core.delassus[row, column] * contact.forces[0, order]
+            if core.rows > 1:  # written out, because nothing is done more often
+                total += core.delassus[row, column + 1] * contact.forces[1, order]
+                total += core.delassus[row, column + 2] * contact.forces[2, order]
         column += core.rows
     return total
 

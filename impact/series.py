@@ -58,8 +58,6 @@ def _load(contact: Contact, rows: int) -> None:
         contact.velocities[axis, 0] = contact.velocity[axis]
         contact.forces[axis, :] = 0.0
         contact.impulses[axis, :] = 0.0
-    if rows > 1:
-        contact.slips[:, :] = 0.0
 
 
 @inlined
