@@ -1,13 +1,18 @@
 """From velocities to restitution and stiffness ratio, with uncertainty and a verdict.
 
-===================  =======================================================================
-`calibrate.trials`   the trial table: read, checked, written
-`calibrate.repeats`  repeats of one measurement, their mean and spread
-`calibrate.misfit`   how far model and measurements are apart
-`calibrate.profile`  the profile likelihood over the stiffness ratio and its intervals
-`calibrate.fit`      `fit_restitution` and `fit_stiffness_ratio`
-`calibrate.report`   how results print
-===================  =======================================================================
+=======================  ===================================================================
+`calibrate.trials`       the trial table: read, checked, written
+`calibrate.repeats`      repeats of one measurement, their mean and spread
+`calibrate.misfit`       how far model and measurements are apart
+`calibrate.profile`      the profile likelihood over the stiffness ratio and its intervals
+`calibrate.fit`          `fit_restitution` and `fit_stiffness_ratio`
+`calibrate.shot_fit`     `fit_shot`: the contacts of cue shots
+`calibrate.force_law`    linear, Hertz or between: whether the data can tell
+`calibrate.speed`        restitution over speed; `calibrate.readings`: heights and bounce intervals
+`calibrate.plan`         which experiment would tell candidate ratios apart
+`calibrate.coverage`     whether confidence sets keep their promise
+`calibrate.report`       how results print
+=======================  ===================================================================
 """
 
 from typing import TYPE_CHECKING, Any
@@ -18,14 +23,17 @@ from calibrate.trials import check_trials, read_trials, write_trials
 if TYPE_CHECKING:
     from calibrate.estimate import Calibration, Estimate, MassPair
     from calibrate.fit import fit_restitution, fit_stiffness_ratio
+    from calibrate.shot_fit import ShotCalibration, fit_shot
 
 __all__ = [
     "Calibration",
     "Estimate",
     "MassPair",
+    "ShotCalibration",
     "TrialTableError",
     "check_trials",
     "fit_restitution",
+    "fit_shot",
     "fit_stiffness_ratio",
     "read_trials",
     "write_trials",
@@ -38,6 +46,8 @@ def __getattr__(name: str) -> Any:
         import calibrate.estimate as home
     elif name in ("fit_restitution", "fit_stiffness_ratio"):
         import calibrate.fit as home  # type: ignore[no-redef]
+    elif name in ("ShotCalibration", "fit_shot"):
+        import calibrate.shot_fit as home  # type: ignore[no-redef]
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(home, name)

@@ -1,6 +1,6 @@
 """Refine the local minima of chi-square in all three parameters at once: the one place that calls lmfit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import lmfit
 import numpy as np
@@ -24,11 +24,14 @@ class Basin:
         Ball-ball and ball-table.
     chi_square : float
         At the minimum.
+    history : tuple of float
+        Chi-square after each evaluation of the local fit, the start first.
     """
 
     stiffness_ratio: float
     restitutions: tuple[float, float]
     chi_square: float
+    history: tuple[float, ...] = ()
 
 
 def refined_basins(misfit: Misfit, trace: Trace, depth: float) -> list[Basin]:
@@ -67,19 +70,23 @@ def _refined(misfit: Misfit, trace: Trace, index: int) -> Basin:
     parameters.add("ball_ball", ball_ball, min=0.0, max=1.0)
     parameters.add("ball_table", ball_table, min=0.0, max=1.0)
 
+    history: list[float] = []
+
     def residuals(values: lmfit.Parameters) -> NDArray[np.float64]:
         restitutions = np.array([[values["ball_ball"].value, values["ball_table"].value]])
-        rows = misfit.residuals(np.array([values["log_ratio"].value]), restitutions)
-        return np.asarray(rows[0])
+        (row,) = misfit.residuals(np.array([values["log_ratio"].value]), restitutions)
+        history.append(float(np.sum(row**2)))
+        return np.asarray(row)
 
     fit = lmfit.minimize(residuals, parameters, calc_covar=False, max_nfev=100, epsfcn=1e-10)
     if fit.chisqr > found.chi_square:  # stopped at a jump
-        return found
+        return replace(found, history=tuple(history))
     best = fit.params.valuesdict()
     return Basin(
         stiffness_ratio=float(np.exp(best["log_ratio"])),
         restitutions=(float(best["ball_ball"]), float(best["ball_table"])),
         chi_square=float(fit.chisqr),
+        history=tuple(history),
     )
 
 

@@ -73,12 +73,25 @@ class MassPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """Chi-square over the stiffness ratio, columns of equal length, and the largest not excluded."""
+    """Chi-square over the stiffness ratio, columns of equal length, and the largest not excluded.
+
+    `states` are the sequences, such as ``S1 S3 S1 S2``, for the mass pair with most trials.
+    """
 
     stiffness_ratio: tuple[float, ...] = ()
     chi_square: tuple[float, ...] = ()
+    states: tuple[str, ...] = ()
     limit_68: float = 0.0
     limit_95: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Valley:
+    """One local fit: where it ended, and chi-square at each evaluation on the way."""
+
+    stiffness_ratio: float
+    chi_square: float
+    history: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,6 +118,8 @@ class Calibration:
         What the reader has to know, in sentences.
     profile : Curve
         Chi-square over the stiffness ratio.
+    valleys : tuple of Valley
+        Local fits, best first.
     provenance : mapping
         Versions, inputs and options.
     """
@@ -119,6 +134,7 @@ class Calibration:
     exponent: float
     notes: tuple[str, ...]
     profile: Curve
+    valleys: tuple[Valley, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -136,6 +152,7 @@ class Calibration:
             data[name] = Estimate(**data[name])
         data["pairs"] = tuple(MassPair(**pair) for pair in data["pairs"])
         data["profile"] = Curve(**data["profile"])
+        data["valleys"] = tuple(Valley(**valley) for valley in data.get("valleys", ()))
         return cls(**data)
 
     def save(self, path: str | Path) -> Path:

@@ -19,9 +19,11 @@ from calibrate.outcome import (
     mass_pairs,
     restitution_estimates,
     stiffness_estimate,
+    valleys_of,
 )
 from calibrate.profile import trace_profile
 from calibrate.repeats import Repeats, known
+from calibrate.rows import TrialTableError
 
 Known = tuple[float, float]
 
@@ -103,29 +105,56 @@ def fit_stiffness_ratio(
     own = (_own("ball_ball", ball_ball, found.held), _own("ball_table", ball_table, found.plate))
     if found.two is None:
         return _without_two_balls(trials, found, own, exponent, provenance or {})
-    misfit = Misfit(
-        ball_ball=own[0],
-        ball_table=own[1],
-        rebounds=found.two.repeats,
-        mass_ratios=found.two.mass_ratios,
-        exponent=exponent,
-    )
+    misfit = _misfit(own, found.two, exponent)
     profile = trace_profile(misfit)
     pairs = mass_pairs(misfit, profile, found.two)
+    most = pairs[int(np.argmax(found.two.trials))]
     ratio = stiffness_estimate(profile)
     ball_ball_estimate, ball_table_estimate = restitution_estimates(misfit, profile)
     return Calibration(
         restitution_ball_ball=ball_ball_estimate,
         restitution_ball_table=ball_table_estimate,
         stiffness_ratio=ratio,
-        states=pairs[int(np.argmax(found.two.trials))].states,
+        states=most.states,
         pairs=pairs,
         chi_square=profile.basins[0].chi_square,
         degrees_of_freedom=misfit.degrees_of_freedom,
         exponent=exponent,
         notes=(*notes_on_trials(trials, found, own), *notes_on_fit(misfit, profile, ratio)),
-        profile=curve_of(profile),
+        profile=curve_of(misfit, profile, most.mass_ratio),
+        valleys=valleys_of(profile),
         provenance=provenance or {},
+    )
+
+
+def misfit_of(
+    trials: pd.DataFrame,
+    *,
+    exponent: float = LINEAR,
+    ball_ball: Known | None = None,
+    ball_table: Known | None = None,
+) -> Misfit:
+    """Collect everything measured about one pair of contacts; arguments as for `fit_stiffness_ratio`.
+
+    Raises
+    ------
+    TrialTableError
+        If there is no usable two-ball trial.
+    """
+    found = found_in(trials)
+    if found.two is None:
+        raise TrialTableError("no usable two-ball trial")
+    own = (_own("ball_ball", ball_ball, found.held), _own("ball_table", ball_table, found.plate))
+    return _misfit(own, found.two, exponent)
+
+
+def _misfit(own: OwnDrops, two: Observed, exponent: float) -> Misfit:
+    return Misfit(
+        ball_ball=own[0],
+        ball_table=own[1],
+        rebounds=two.repeats,
+        mass_ratios=two.mass_ratios,
+        exponent=exponent,
     )
 
 

@@ -1,9 +1,11 @@
 """The impact model as the fit needs it: velocity ratios of a two-ball drop for many parameters at once."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from impact import Ball, Contact, ConvergenceError, TwoBallDrop, collide, collide_many
+from impact import Ball, Contact, ConvergenceError, ManyDrops, TwoBallDrop, collide, collide_many
 
 LINEAR, HERTZ = 1.0, 1.5
 """Exponents of the force law: the paper's linear spring and Hertz' contact of two spheres."""
@@ -41,18 +43,32 @@ def rebound_ratios(
     >>> rebound_ratios([10.0], [[0.807755, 0.846529]], [1.0]).round(5).tolist()
     [[0.7794, 0.18664]]
     """
+    many = _outcomes(np.asarray(stiffness_ratio, dtype=float), restitutions, mass_ratio, exponent)
+    return np.asarray(many.velocities)
+
+
+def state_sequences(
+    log_ratio: ArrayLike, restitutions: ArrayLike, mass_ratio: ArrayLike, *, exponent: float = LINEAR
+) -> Sequence[tuple[str, ...]]:
+    """Give the states of many collisions; arguments as for `rebound_ratios`, the ratio as its logarithm."""
+    return _outcomes(np.exp(log_ratio), restitutions, mass_ratio, exponent).states
+
+
+def _outcomes(
+    stiffness_ratio: NDArray[np.float64], restitutions: ArrayLike, mass_ratio: ArrayLike, exponent: float
+) -> ManyDrops:
     ball_ball, ball_table = np.asarray(restitutions, dtype=float).T
     try:
-        outcome = collide_many(
+        return collide_many(
             two_ball_drop(1.0, (1.0, 1.0), 1.0, exponent=exponent),
-            stiffness_ratio=np.asarray(stiffness_ratio, dtype=float),
+            stiffness_ratio=stiffness_ratio,
             ball_ball_restitution=ball_ball,
             ball_table_restitution=ball_table,
             upper_mass=np.asarray(mass_ratio, dtype=float),
         )
     except ConvergenceError as error:  # endless collapse (Theorem 3): what is left to happen is negligible
-        outcome = error.partial
-    return np.asarray(outcome.velocities)
+        partial: ManyDrops = error.partial
+        return partial
 
 
 def state_sequence(

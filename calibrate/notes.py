@@ -6,9 +6,10 @@ from scipy import stats
 from calibrate.estimate import Estimate
 from calibrate.intervals import ONE_VALUE
 from calibrate.misfit import Misfit
-from calibrate.observed import Found, Observed
+from calibrate.observed import Found, Observed, usable_trials
 from calibrate.profile import Profile
 from calibrate.repeats import ASSUMED_SCATTER, Repeats
+from calibrate.speed import fit_speed_law, tells_about_speed
 
 OwnDrops = tuple[Repeats | None, Repeats | None]
 
@@ -32,6 +33,7 @@ def notes_on_trials(trials: pd.DataFrame, found: Found, own: OwnDrops) -> tuple[
     for kind, observed in (("held", found.held), ("plate", found.plate), ("two", found.two)):
         if observed is not None:
             notes += _about_repeats(_KINDS[kind], observed)
+            notes += _about_speed(kind, trials, observed)
     return tuple(notes)
 
 
@@ -77,3 +79,18 @@ def _about_repeats(kind: str, observed: Observed) -> list[str]:
             f"the {kind} agree better than trials can: taken to scatter at least as much as they state"
         )
     return notes
+
+
+def _about_speed(kind: str, trials: pd.DataFrame, observed: Observed) -> list[str]:
+    """One restitution for all speeds is what the fit assumes; say so where the drops show that it is not."""
+    if kind == "two":
+        return []
+    rows = usable_trials(trials, kind)
+    rows = rows[~rows["trial"].isin(observed.outliers)]
+    speed = -rows["approach_velocity"]
+    if not tells_about_speed(speed):
+        return []
+    law = fit_speed_law(speed, rows["upper_rebound_velocity"] / speed)
+    if not law.depends_on_speed:
+        return []
+    return [f"restitution of the {_KINDS[kind]} {law}; the fit takes one value for all speeds"]

@@ -82,7 +82,7 @@ def observed_restitution(trials: pd.DataFrame, kind: str) -> Observed | None:
     kind : str
         ``plate`` or ``held``.
     """
-    rows = _usable(trials, kind)
+    rows = usable_trials(trials, kind)
     if rows.empty:
         return None
     return _condensed(rows, ["upper_rebound_velocity"], np.zeros(len(rows), dtype=np.int64))
@@ -104,10 +104,11 @@ def observed_rebounds(trials: pd.DataFrame) -> Observed | None:
 
 def usable_two_ball_trials(trials: pd.DataFrame) -> pd.DataFrame:
     """First impacts of the two-ball trials that are ok; later impacts are no simultaneous collisions."""
-    return _usable(trials, "two").query("impact == 1")
+    return usable_trials(trials, "two").query("impact == 1")
 
 
-def _usable(trials: pd.DataFrame, kind: str) -> pd.DataFrame:
+def usable_trials(trials: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """Rows of one kind that are neither failed nor suspect."""
     return trials[(trials["kind"] == kind) & (trials["status"] == "ok")]
 
 

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from calibrate.estimate import Curve, Estimate, MassPair
+from calibrate.estimate import Curve, Estimate, MassPair, Valley
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, joined, verdict
 from calibrate.misfit import Misfit
-from calibrate.model import state_sequence
+from calibrate.model import state_sequence, state_sequences
 from calibrate.observed import Observed
 from calibrate.profile import LEVELS, RATIO_LIMITS, Profile, propagate
 from calibrate.repeats import Repeats
@@ -121,13 +121,24 @@ def _predictions(misfit: Misfit) -> Callable[[Array, Array], Array]:
     )
 
 
-def curve_of(profile: Profile) -> Curve:
-    """Write the profile as plain columns."""
+def curve_of(misfit: Misfit, profile: Profile, mass_ratio: float) -> Curve:
+    """Write the profile as plain columns, with the states that one mass pair goes through."""
+    trace = profile.trace
+    states = state_sequences(trace.log_ratio, trace.restitutions, mass_ratio, exponent=misfit.exponent)
     return Curve(
-        stiffness_ratio=tuple(np.exp(profile.trace.log_ratio).tolist()),
-        chi_square=tuple(profile.trace.chi_square.tolist()),
+        stiffness_ratio=tuple(np.exp(trace.log_ratio).tolist()),
+        chi_square=tuple(trace.chi_square.tolist()),
+        states=tuple(" ".join(sequence) for sequence in states),
         limit_68=profile.limit(0.68),
         limit_95=profile.limit(0.95),
+    )
+
+
+def valleys_of(profile: Profile) -> tuple[Valley, ...]:
+    """List the local fits, best first."""
+    return tuple(
+        Valley(stiffness_ratio=basin.stiffness_ratio, chi_square=basin.chi_square, history=basin.history)
+        for basin in profile.basins
     )
 
 

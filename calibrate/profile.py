@@ -84,7 +84,7 @@ def trace_profile(misfit: Misfit) -> Profile:
     Profile
         With the edges of its 68 % and 95 % sets located to two parts in a thousand.
     """
-    trace = _spread(misfit, search(misfit, _grid()))
+    trace = _spread(misfit, search(misfit, starting_grid()))
     for _ in range(_MOST_ROUNDS // 2):
         trace = _finer(misfit, trace, _beside_minima(misfit, trace))
     trace = _spread(misfit, trace)
@@ -140,7 +140,7 @@ def _gradient(quantity: Callable[[Array, Array], Array], log_ratio: Array, at: A
     return np.stack(columns, axis=2)
 
 
-def _grid() -> Array:
+def starting_grid() -> Array:
     """Log ratios spaced evenly, and again evenly in the root and the inverse root of the ratio.
 
     The number of vibrations the lower ball makes during the collision, and with it the number of basins,

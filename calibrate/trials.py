@@ -15,14 +15,12 @@ A velocity's ``_sd`` is its whole standard deviation. Where a table also says ho
 in common (``approach_velocity_scale``, …; see `calibrate.shared`) that part is not averaged away by repeats.
 """
 
-import csv
-import io
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
 
+from calibrate.cells import read_cells
 from calibrate.files import write_whole
 from calibrate.rows import NUMBER_COLUMNS, REQUIRED_COLUMNS, TEXT_COLUMNS, TrialTableError, checked_row
 
@@ -143,45 +141,10 @@ def write_trials(table: pd.DataFrame, path: str | Path) -> Path:
 
 
 def _read_one(path: Path) -> pd.DataFrame:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise TrialTableError(f"{path.name} is not UTF-8 text: save it as 'CSV UTF-8'") from error
-    lines = [line for line in _lines(text) if any(cell.strip() for cell in line[1])]
-    if not lines:
-        raise TrialTableError(f"{path.name} is empty: a header line and one line a trial are expected")
-    header = [cell.strip() for cell in lines[0][1]]
-    _check_shape(path.name, header, lines[1:])
-    numbers, rows = [number for number, _ in lines[1:]], [row for _, row in lines[1:]]
-    table = pd.DataFrame(rows, columns=header, index=numbers)
+    table = read_cells(path)
     if "trial" not in table:
         table.insert(0, "trial", [f"{path.stem}-{number:02d}" for number in table.index])
     return check_trials(table, source=f"{path.name}, line")
-
-
-def _lines(text: str) -> list[tuple[int, list[str]]]:
-    """Split into lines: each one's number in the file and its cells."""
-    first = text.split("\n", 1)[0]
-    separator = max(";\t,", key=first.count)
-    reader = csv.reader(io.StringIO(text), delimiter=separator)
-    return [(reader.line_num, [_decimal_point(cell) for cell in cells]) for cells in reader]
-
-
-def _decimal_point(cell: str) -> str:
-    """Make a decimal comma a point; a cell can hold one only where commas do not separate the cells."""
-    return re.sub(r"^(\s*[+-]?\d*),(\d+\s*)$", r"\1.\2", cell)
-
-
-def _check_shape(name: str, header: Sequence[str], lines: Sequence[tuple[int, list[str]]]) -> None:
-    twice = {column for column in header if header.count(column) > 1}
-    if twice:
-        raise TrialTableError(f"{name}: column {sorted(twice)[0]!r} appears twice")
-    for number, cells in lines:
-        if len(cells) != len(header):
-            raise TrialTableError(
-                f"{name}, line {number}: {len(cells)} cells where the header has {len(header)}"
-                " (with decimal commas, separate the cells by semicolons)"
-            )
 
 
 def _require_columns(table: pd.DataFrame, source: str) -> None:

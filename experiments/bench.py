@@ -49,22 +49,22 @@ class Measured:
         )
 
 
-def table(title: str, rows: Iterable[Measured]) -> str:
-    """Print measured figures against wanted ones.
+def lines(title: str, rows: Iterable[Measured]) -> Iterator[str]:
+    """Print measured figures against wanted ones, each as soon as it is known.
 
     Examples
     --------
-    >>> print(table("engine", [Measured(quantity="cue shot", value=93.0, unit="µs", most=150.0)]))
+    >>> for line in lines("engine", [Measured(quantity="cue shot", value=93.0, unit="µs", most=150.0)]):
+    ...     print(line)
     engine                                                  measured      wanted
     cue shot                                                   93 µs       ≤ 150
     """
-    lines = [f"{title:52} {'measured':>11} {'wanted':>11}"]
+    yield f"{title:52} {'measured':>11} {'wanted':>11}"
     for row in rows:
         wanted = f"≤ {row.most:g}" if row.most is not None else ""
         wanted = f"≥ {row.least:g}" if row.least is not None else wanted
         value = f"{row.value:.3g} {row.unit}".strip()
-        lines.append(f"{row.quantity:52} {value:>11} {wanted:>11}{'' if row.met else '  missed'}")
-    return "\n".join(lines)
+        yield f"{row.quantity:52} {value:>11} {wanted:>11}{'' if row.met else '  missed'}".rstrip()
 
 
 def fastest(work: Callable[[], object], repeats: int = REPEATS) -> float:

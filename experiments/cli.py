@@ -3,17 +3,16 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from experiments import plan
+from experiments.fit import EPILOG, calibrated, fit
 from experiments.simulate import simulate
 from experiments.verbs import SOME_FAILED, verb
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    from calibrate.estimate import Calibration
     from experiments.trial import Trial
 
 app = typer.Typer(
@@ -24,6 +23,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(simulate, name="simulate")
+app.command(epilog=EPILOG)(fit)
+app.command(epilog=plan.EPILOG)(plan.plan)
 
 FIGURES = ("fig3", "fig4", "fig5", "table1", "states")
 Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
@@ -96,28 +97,6 @@ def process(
         raise typer.Exit(SOME_FAILED)
 
 
-@app.command(epilog="Example: impactlab fit trials.csv --out results")
-@verb
-def fit(
-    trials: Annotated[list[Path], typer.Argument(help="Trial tables, CSV.", metavar="TRIALS.csv...")],
-    out: Out = Path("out"),
-    exponent: Annotated[float, typer.Option(help="Of the force law: 1 linear, 1.5 Hertz.")] = 1.0,
-    ball_ball: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Ball-ball restitution known from elsewhere: value, sd."),
-    ] = None,
-    ball_table: Annotated[
-        tuple[float, float] | None,
-        typer.Option(help="Ball-table restitution known from elsewhere: value, sd."),
-    ] = None,
-) -> None:
-    """Fit restitutions and stiffness ratio to trial tables; write fit.json, fig5 and profile."""
-    from calibrate.trials import read_trials
-
-    calibrated(trials, out, {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table})
-    complain_of_failed(read_trials(trials))
-
-
 @app.command(epilog="Example: impactlab figures fig4 fig5 --out figures")
 @verb
 def figures(
@@ -136,19 +115,32 @@ def figures(
         typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 
 
-@app.command(epilog="Example: impactlab bench")
+@app.command(epilog="Example: impactlab bench engine tracking")
 @verb
-def bench() -> None:
+def bench(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="All without a name.", metavar="[NAME]...")
+    ] = None,
+) -> None:
     """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
     from experiments import bench as benches
+    from experiments import bench_tracking
 
-    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here\n")
-    for title, rows in (
-        ("engine", benches.engine()),
-        ("compilation", benches.compilation()),
-        ("calibration", benches.calibration()),
-    ):
-        typer.echo(benches.table(title, rows) + "\n")
+    rows = {
+        "engine": benches.engine,
+        "compilation": benches.compilation,
+        "calibration": benches.calibration,
+        "tracking": bench_tracking.throughput,
+        "memory": bench_tracking.memory,
+    }
+    unknown = set(names or ()) - set(rows)
+    if unknown:
+        raise ValueError(f"a bench must be one of {', '.join(rows)}, got {', '.join(sorted(unknown))}")
+    typer.echo(f"a million additions in plain Python take {benches.yardstick() * 1e3:.0f} ms here")
+    for name in names or rows:
+        typer.echo("")
+        for line in benches.lines(name, rows[name]()):
+            typer.echo(line)
 
 
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
@@ -170,35 +162,9 @@ def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bo
     return failed
 
 
-def calibrated(tables: list[Path], out: Path, options: dict[str, Any]) -> "Calibration":
-    """Fit trial tables, write fit.json and the figures, print verdict and values."""
-    from calibrate.fit import fit_stiffness_ratio
-    from calibrate.trials import read_trials
-    from experiments import fig5, profile_plot
-    from experiments.provenance import provenance
-
-    table = read_trials(tables)
-    calibration = fit_stiffness_ratio(table, **options, provenance=provenance(tables, options))
-    calibration.save(out / "fit.json")
-    if calibration.pairs:
-        fig5.main(out, table, calibration)
-        profile_plot.main(out, calibration)
-    typer.echo(str(calibration))
-    return calibration
-
-
 def cores() -> int:
     """Cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def complain_of_failed(table: "pd.DataFrame") -> None:
-    """Name the failed trials on stderr and end with exit code 1 if there are any."""
-    failed = table[table["status"] == "failed"]
-    for name, reason in zip(failed["trial"], failed["reason"], strict=True):
-        typer.echo(f"impactlab: {name} failed: {reason}", err=True)
-    if len(failed):
-        raise typer.Exit(SOME_FAILED)
 
 
 def main() -> None:

@@ -22,12 +22,12 @@ _NAMELESS = {
 
 
 def new_figure(
-    width: float, height: float, rows: int = 1, columns: int = 1
+    width: float, height: float, rows: int = 1, columns: int = 1, *, shares: Sequence[float] | None = None
 ) -> tuple[Figure, list[list[Axes]]]:
-    """Make a figure of a size in inches with a grid of axes, by row and column."""
+    """Make a figure of a size in inches with a grid of axes, by row and column; `shares`: rows' heights."""
     with _settings():
         figure = Figure(figsize=(width, height), layout="constrained")
-        grid = figure.subplots(rows, columns, squeeze=False)
+        grid = figure.subplots(rows, columns, squeeze=False, height_ratios=shares)
     return figure, [list(row) for row in grid]
 
 

@@ -19,7 +19,7 @@ from calibrate.model import rebound_ratios
 from calibrate.observed import mass_ratio_groups, usable_two_ball_trials
 from experiments import paper
 from experiments.comparison import Compared, comparison_text
-from experiments.drawing import LOWER, UPPER, label, new_figure, save_both
+from experiments.drawing import LOWER, QUIET, UPPER, label, new_figure, save_both
 
 Array = NDArray[np.float64]
 
@@ -109,12 +109,15 @@ def _printed(mass_ratio: float) -> tuple[Line, ...]:
 
 
 def draw(panels: Sequence[Panel]) -> Figure:
-    """Draw one panel a mass pair, all with the same scales."""
+    """Draw one panel a mass pair, all with the same scales; under a fit its residuals."""
     columns = min(len(panels), _MOST_COLUMNS)
     rows = -(-len(panels) // columns)
-    figure, grid = new_figure(1.6 + 3.9 * columns, 4.3 * rows, rows, columns)
-    places = [axes for row in grid for axes in row]
-    for axes in places[len(panels) :]:
+    parts = 2 if panels[0].fitted else 1
+    height, shares = (4.3, (1.0,)) if parts == 1 else (5.5, (3.0, 1.0))
+    figure, grid = new_figure(1.6 + 3.9 * columns, height * rows, parts * rows, columns, shares=shares * rows)
+    places = [axes for row in grid[::parts] for axes in row]
+    below = [axes for row in grid[1::2] for axes in row] if parts == 2 else []
+    for axes in (*places[len(panels) :], *below[len(panels) :]):
         axes.set_axis_off()
     highest = max(_highest(panel) for panel in panels)
     slowest, fastest = min(panel.speeds[0] for panel in panels), max(panel.speeds[1] for panel in panels)
@@ -122,9 +125,42 @@ def draw(panels: Sequence[Panel]) -> Figure:
         _draw_panel(axes, panel)
         axes.set_ylim(0.0, 1.08 * highest)
         axes.set_xlim(slowest, fastest)
+    farthest = max((_farthest_residual(panel) for panel in panels), default=0.0)
+    for axes, panel in zip(below, panels, strict=False):
+        _draw_residuals(axes, panel)
+        axes.set_ylim(-1.1 * farthest, 1.1 * farthest)
+        axes.set_xlim(slowest, fastest)
     handles, names = places[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return figure
+
+
+def _residuals(panel: Panel, ball: int) -> Array:
+    """Measured less fitted velocity ratio of each trial, in percent of the approach speed."""
+    speed = panel.dots[:, 0]
+    return np.asarray(100 * (panel.dots[:, 1 + ball] / speed - panel.fitted[ball].slope))
+
+
+def _farthest_residual(panel: Panel) -> float:
+    if not panel.fitted or not len(panel.dots):
+        return 0.1
+    return float(max(0.1, *(np.abs(_residuals(panel, ball)).max() for ball in range(2))))
+
+
+def _draw_residuals(axes: Axes, panel: Panel) -> None:
+    axes.axhline(0.0, color=QUIET, linewidth=0.8)
+    for ball, (color, marker) in enumerate(((UPPER, "o"), (LOWER, "s"))):
+        speed, residuals = panel.dots[:, 0], _residuals(panel, ball)
+        axes.errorbar(
+            speed,
+            residuals,
+            yerr=100 * panel.dots[:, 4 + ball] / speed,
+            fmt=marker,
+            color=color,
+            markersize=3.5,
+            elinewidth=0.8,
+        )
+    label(axes, ("approach speed |v₀| [m/s]", "measured - fit\n[% of |v₀|]", ""))
 
 
 def _draw_panel(axes: Axes, panel: Panel) -> None:
@@ -136,7 +172,8 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
             axes.plot(panel.speeds, printed, "--", color=color, linewidth=1.0, label=f"{name}: paper's model")
         else:
             axes.plot(panel.speeds, printed, color=color, linewidth=1.8, label=f"{name}: paper's model")
-    label(axes, ("approach speed |v₀| [m/s]", "rebound velocity [m/s]", f"m₁/m₂ = {panel.mass_ratio:.3g}"))
+    across = "" if panel.fitted else "approach speed |v₀| [m/s]"
+    label(axes, (across, "rebound velocity [m/s]", f"m₁/m₂ = {panel.mass_ratio:.3g}"))
 
 
 def _draw_fit(axes: Axes, panel: Panel, ball: int) -> None:

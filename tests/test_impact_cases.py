@@ -240,6 +240,15 @@ def test_many_rows_on_many_threads_keep_their_order():
     )
 
 
+def test_no_rows_give_no_rows_and_threads_change_nothing():
+    assert collide_many(drop(), stiffness_ratio=[]).velocities.shape == (0, 2)
+    ratios = np.geomspace(0.1, 10.0, 50)
+    alone = collide_many(drop(), threads=1, stiffness_ratio=ratios)
+    assert (alone.velocities == collide_many(drop(), stiffness_ratio=ratios).velocities).all()
+    with pytest.raises(ValueError, match="threads must be at least 1, got 0"):
+        collide_many(drop(), threads=0, stiffness_ratio=ratios)
+
+
 def test_a_long_collapse_among_many_keeps_all_its_states():
     many = collide_many(drop(0.1, 0.3), upper_mass=[1.0, 3.0])
     assert many.states[1] == collide(drop(0.1, 0.3, upper=3.0)).states

@@ -1,0 +1,81 @@
+"""How fast recordings are tracked, as a share of the speed at which they can be decoded at all."""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+from experiments.bench import Measured, fastest
+from tracking.render import Camera, DropScene, write_recording
+from tracking.track import track_balls
+from tracking.video import decode_only, open_recording
+
+PICTURES = {  # an upright telephone, 240 frames a second; the ball is 50 pixels wide in the smaller
+    "720p": DropScene(kind="plate", drop_height=0.92, camera=Camera(width_px=720), seed=720),
+    "1080p": DropScene(
+        kind="plate", drop_height=0.92, camera=Camera(width_px=1080, metres_per_pixel=0.00053), seed=1080
+    ),
+}
+LONG_WAIT = 8.0  # s before the ball is let go, in the clip that shows that memory does not grow
+MEMORY = """
+import resource, sys
+from tracking.track import track_balls
+from tracking.video import open_recording
+track_balls(open_recording(sys.argv[1]))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def throughput() -> Iterator[Measured]:
+    """Track clips and decode them, by the same library in the same run."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, scene in PICTURES.items():
+            clip = Path(folder) / f"{name}.mp4"
+            write_recording(scene, clip)
+            tracking = fastest(partial(track, clip), repeats=3)
+            decoding = fastest(partial(decode_only, clip), repeats=3)
+            yield Measured(
+                quantity=f"tracking over bare decoding, {name} H.264",
+                value=decoding / tracking,
+                unit="",
+                least=0.8,
+            )
+            if shutil.which("ffmpeg"):
+                bare = fastest(partial(decode_by_ffmpeg, clip), repeats=3)
+                yield Measured(
+                    quantity=f"tracking over ffmpeg -f null, {name}", value=bare / tracking, unit=""
+                )
+
+
+def memory() -> Iterator[Measured]:
+    """Peak memory of tracking a short clip, and one in which nothing happens for long."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, hold in (("short", 0.1), ("long", LONG_WAIT)):
+            scene = DropScene(
+                kind="plate", drop_height=0.92, hold=hold, camera=Camera(width_px=720), seed=int(10 * hold)
+            )
+            clip = Path(folder) / f"{name}.mp4"
+            write_recording(scene, clip)
+            run = subprocess.run(
+                [sys.executable, "-c", MEMORY, str(clip)],
+                cwd=Path(__file__).resolve().parents[1],
+                capture_output=True,
+                text=True,
+                check=True,
+            )
+            yield Measured(
+                quantity=f"peak memory, 720p, {name} clip", value=float(run.stdout), unit="MB", most=500
+            )
+
+
+def track(clip: Path) -> None:
+    """Track the ball in every frame."""
+    track_balls(open_recording(clip))
+
+
+def decode_by_ffmpeg(clip: Path) -> None:
+    """Let the ffmpeg program do the same."""
+    subprocess.run(["ffmpeg", "-v", "error", "-i", str(clip), "-f", "null", "-"], check=True)
