@@ -34,7 +34,7 @@ class Recording:
     genuine : (n,) array of bool
         False where a frame stores its predecessor's picture again.
     samples : list of (height, width, 3) arrays
-        At most 50 pictures spread over the recording, from which the background is made.
+        At most 30 pictures spread over the recording, from which the background is made.
     capture_fps : float
         Pictures captured a second.
     rate_sd : float

@@ -1,6 +1,6 @@
 """How large a ball of unknown size is in the picture."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -12,13 +12,18 @@ RADIUS_FRAMES = 15  # pictures on which the radius is measured
 STARTING_SIZES = (1.0, 1.2, 1.5)  # times the width at half contrast, which misses the dark side of a ball
 
 
-def measure_radius(frames: Iterable[Frame], path: Sequence[Blob | None], guess: float) -> float:
+def sharpest(path: Mapping[int, Blob]) -> set[int]:
+    """Numbers of the frames in which the ball is least smeared by its motion."""
+    return set(sorted(path, key=lambda number: abs(path[number].height - path[number].width))[:RADIUS_FRAMES])
+
+
+def measure_radius(frames: Iterable[Frame], path: Mapping[int, Blob], guess: float) -> float:
     """Measure a ball's radius on some of its sharpest pictures.
 
     Parameters
     ----------
-    frames : pictures of the recording
-    path : the patch that is the ball in each of them, None where it is not seen
+    frames : those pictures
+    path : the patch that is the ball, by the number of the frame
     guess : float
         Radius in px as the patches tell it; cut at half contrast they are too small.
 
@@ -27,13 +32,8 @@ def measure_radius(frames: Iterable[Frame], path: Sequence[Blob | None], guess: 
     float
         Radius, px; the guess if no outline is found.
     """
-    blurs = [np.inf if blob is None else abs(blob.height - blob.width) for blob in path]
-    sharpest = set(np.argsort(blurs)[:RADIUS_FRAMES].tolist())
-    radii = [
-        _settled_radius(frame.image, (blob.x, blob.y, guess))
-        for number, (frame, blob) in enumerate(zip(frames, path, strict=True))
-        if number in sharpest and blob is not None
-    ]
+    places = ((frame, path[frame.index]) for frame in frames)
+    radii = [_settled_radius(frame.image, (blob.x, blob.y, guess)) for frame, blob in places]
     found = [radius for radius in radii if radius is not None]
     return float(np.median(found)) if found else guess
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -100,9 +101,11 @@ def time_factor(times: FloatArray, tagged: float | None, given: float | None) ->
 
 def thumbnail(grey: npt.NDArray[np.uint8]) -> FloatArray:
     """Average a (height, width) picture over blocks of 8 x 8 pixels."""
-    height, width = (size // 8 * 8 for size in grey.shape)
-    rows = np.add.reduceat(grey[:height, :width], np.arange(0, height, 8), axis=0, dtype=np.uint32)
-    return np.asarray(np.add.reduceat(rows, np.arange(0, width, 8), axis=1) / 64.0)
+    height, width = (size // 8 for size in grey.shape)
+    if not (height and width):
+        return np.empty((0, 0))
+    whole = grey[: 8 * height, : 8 * width].astype(np.float32)
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), dtype=np.float64)
 
 
 def change(before: FloatArray, after: FloatArray) -> float:

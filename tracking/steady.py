@@ -54,7 +54,8 @@ def steadied(recording: Recording) -> Recording:
         return recording
     looks = recording.samples[:: max(1, len(recording.samples) // LOOKS)]
     seen = list(_motions(looks, reference, corners))
-    if max((_shift(motion, reference) for motion in seen if motion is not None), default=0.0) < STILL_PX:
+    shifts = [_shift(motion, reference) for motion in seen if motion is not None]
+    if not shifts or float(np.median(shifts)) < STILL_PX:  # a passing hand drags corners along in a few
         return recording
     drift = _drift(recording, reference, corners)
     moved = max(_shift(motion, reference) for motion in drift)

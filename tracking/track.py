@@ -1,6 +1,6 @@
 """Images → one `Track` per ball, in pixels."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,13 +11,13 @@ from tracking.circle import MARGIN_PX, Circle, Image, Rim, find_rim, fit_circle,
 from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
-from tracking.size import measure_radius
+from tracking.size import measure_radius, sharpest
 from tracking.video import Frame, Recording, read_frames
 
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
-KEPT_BYTES = 200_000_000
+KEPT_BYTES = 100_000_000
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
 SHARED_PX = 0.1  # compression and texture behind the ball shift it by this, alike in frames of like height
@@ -88,15 +88,19 @@ def track_balls(
         _require_that_fits(recording, ball, size)
     background = make_background(recording.samples)
     frames = _replay(recording)
-    candidates = [find_blobs(frame.image, background) for frame in frames()]
-    path, rough = _find_path(recording, candidates, radius)
+    numbers, candidates = [], []
+    for frame in frames(None):
+        numbers.append(frame.index)
+        candidates.append(find_blobs(frame.image, background))
+    path, rough = _find_path(recording, numbers, candidates, radius)
     if radius is None:
-        radius = measure_radius(frames(), path, rough)
-        path, _ = _find_path(recording, candidates, radius)
+        radius = measure_radius(frames(sharpest(path)), path, rough)
+        path, _ = _find_path(recording, numbers, candidates, radius)
     upper: list[_Sighting] = []
     rest: list[_Sighting] = []
-    below = None if lower is None else _place_below(path, radius, lower)
-    for frame, blob in zip(frames(), path, strict=True):
+    below = None if lower is None else _place_below(list(path.values()), radius, lower)
+    for frame in frames(path if below is None else None):
+        blob = path.get(frame.index)
         if blob is not None:
             blur = abs(blob.height - blob.width)
             guess = (blob.x, blob.y, radius)
@@ -119,33 +123,38 @@ def _require_that_fits(recording: Recording, ball: str, radius: float | None) ->
         )
 
 
-def _replay(recording: Recording) -> Callable[[], Iterable[Frame]]:
-    """Give the frames as often as asked: kept in memory if they are few, decoded again if they are many."""
+def _replay(recording: Recording) -> Callable[[Collection[int] | None], Iterable[Frame]]:
+    """Give all frames, or some, as often as asked: kept in memory if few, decoded again if many."""
     if recording.bytes > KEPT_BYTES:
-        return lambda: read_frames(recording)
+        return lambda wanted: read_frames(recording, wanted)
     kept = list(read_frames(recording))
-    return lambda: kept
+    return lambda wanted: kept if wanted is None else [frame for frame in kept if frame.index in wanted]
 
 
 def _find_path(
-    recording: Recording, candidates: Sequence[Sequence[Blob]], radius: float | None
-) -> tuple[list[Blob | None], float]:
+    recording: Recording, numbers: Sequence[int], candidates: Sequence[Sequence[Blob]], radius: float | None
+) -> tuple[dict[int, Blob], float]:
     """Choose the ball among the candidates of every frame, and its radius if it was not given."""
     radius = guess_radius(candidates) if radius is None else radius
     if radius is not None:
         chosen = best_path(candidates, radius)
-        path = [None if i == MISSING else blobs[i] for i, blobs in zip(chosen, candidates, strict=True)]
-        if sum(blob is not None for blob in path) >= FEWEST_FRAMES:
+        path = {
+            number: blobs[index]
+            for number, blobs, index in zip(numbers, candidates, chosen, strict=True)
+            if index != MISSING
+        }
+        if len(path) >= FEWEST_FRAMES:
             return path, radius
     raise RecordingError(
         f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against a "
-        "background of another colour, whole and in focus, and check --ball-diameter and the scale"
+        "background of another colour, whole and in focus, with more frames a second if it is very fast, and "
+        "check --ball-diameter and the scale"
     )
 
 
-def _place_below(path: Sequence[Blob | None], radius: float, lower: float) -> tuple[float, float, float]:
+def _place_below(path: Sequence[Blob], radius: float, lower: float) -> tuple[float, float, float]:
     """Guess the resting ball: under the place where the falling ball first turns."""
-    seen = [blob for blob in path if blob is not None and blob.height < 3 * radius]
+    seen = [blob for blob in path if blob.height < 3 * radius]
     depth = np.array([blob.y for blob in seen])
     turns, _ = find_peaks(depth, prominence=radius / 2)
     turn = seen[turns[0] if turns.size else int(np.argmax(depth))]
@@ -203,6 +212,11 @@ def _as_track(ball: str, sightings: list[_Sighting], recording: Recording) -> Tr
             "film it larger, sharper and against a background of another colour"
         )
     radius, radius_sd = _common_radius(sightings)
+    if 2 * radius < MINIMUM_DIAMETER_PX:
+        raise RecordingError(
+            f"{recording.path.name}: the {ball} ball is only {2 * radius:.1f} px wide, but must be at least "
+            f"{MINIMUM_DIAMETER_PX}; film it from nearer or zoom in"
+        )
     fits = [(s, fit_circle(s.rim, (s.circle.x, s.circle.y, radius), free_radius=False)) for s in sightings]
     seen = [(s, circle) for s, circle in fits if circle is not None]
     return Track(

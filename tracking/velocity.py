@@ -149,7 +149,7 @@ def _measure(track: Track, bounce: Bounce, meeting: Meeting, budget: Budget) -> 
     falling = fit_meeting(meeting, fit.parameters, [*free, P.GRAVITY])
     shared = _effects(fit, meeting, budget)
     weighed = _effects(falling, meeting, budget)
-    parabolas = free_parabolas(meeting.sides, float(fit.parameters[P.TIME]))
+    parabolas = free_parabolas(fit, meeting, budget)
     free_sides = [parabolas.get(place, UNKNOWN) for place in VELOCITIES]
     return Impact(
         time=float(fit.parameters[P.TIME]),

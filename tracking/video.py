@@ -6,7 +6,7 @@ did in `Recording.notes`; `read_frames` then yields the genuine frames, one at a
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,7 +24,7 @@ __all__ = ["Frame", "Recording", "open_recording", "read_frames"]
 
 FloatArray = npt.NDArray[np.float64]
 
-BACKGROUND_SAMPLES = 25
+BACKGROUND_SAMPLES = 15  # at least, and at most twice as many: they are all kept in memory
 WHOLE = 0.98  # a file with this share of the frames it announces is not cut short
 
 
@@ -80,13 +80,16 @@ def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Rec
     )
 
 
-def read_frames(recording: Recording) -> Iterator[Frame]:
-    """Yield the genuine frames of a recording in order; stored-twice frames are left out."""
+def read_frames(recording: Recording, wanted: Collection[int] | None = None) -> Iterator[Frame]:
+    """Yield the genuine frames of a recording in order; stored-twice frames are left out.
+
+    If only some are `wanted`, by their numbers in the file, the others are not even made pictures.
+    """
     with _container(recording.path) as container, suppress(av.error.FFmpegError):
         stretch = _stretch(container)
         pictures = container.decode(container.streams.video[0])
         for index, (time, picture) in enumerate(zip(recording.times, pictures, strict=False)):
-            if recording.genuine[index]:
+            if recording.genuine[index] and (wanted is None or index in wanted):
                 image = _upright(picture, stretch)
                 if recording.drift is not None:
                     image = held_still(image, recording.drift[index])
@@ -105,6 +108,7 @@ class _Scan:
     sizes: set[tuple[int, int]] = field(default_factory=set)
     spacing: int = 1
     quarter_turns: int = 0
+    interlaced: int = 0
     notes: list[str] = field(default_factory=list)
 
 
@@ -127,6 +131,11 @@ def _scan(path: Path) -> _Scan:
             f"the file is damaged or cut short: {count}{of} frames could be read; "
             "copy it again from the camera if the impact is missing"
         )
+    if scan.interlaced > count / 2:
+        scan.notes.append(
+            "it is interlaced: each picture mixes two moments and a moving rim is combed; make each field a "
+            "picture with a video tool (ffmpeg -vf bwdif) for sharper results"
+        )
     if scan.stretch != 1:
         scan.notes.append(f"its pixels are not square; pictures were made {scan.stretch:.4g} times as wide")
     return scan
@@ -142,6 +151,7 @@ def _collect(scan: _Scan, pictures: Iterator[av.VideoFrame], name: str) -> None:
                 f"{name}: its picture changes size midway; convert it once with a video tool"
             )
         scan.quarter_turns = _quarter_turns(picture)
+        scan.interlaced += picture.interlaced_frame
         after = stamps.thumbnail(_brightness(picture))
         scan.stamps.append(picture.time)
         scan.changes.append(np.inf if before is None else stamps.change(before, after))
