@@ -14,7 +14,7 @@ from tracking.joint import JointFit, Meeting, P, Side, heights, moved
 
 FloatArray = npt.NDArray[np.float64]
 
-FEWEST_FRAMES = 5  # a parabola and two frames that may contradict it
+FEWEST_FRAMES = 7  # a parabola, and enough frames beyond to tell how they scatter
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
