@@ -30,6 +30,7 @@ def test_without_two_ball_trials_the_restitutions_are_still_fitted() -> None:
     assert calibration.restitution_ball_ball.verdict == "one value"
 
 
+@pytest.mark.slow
 def test_without_held_drops_the_fit_says_so_and_goes_on() -> None:
     table = trials()
     calibration = fit_stiffness_ratio(table[table.kind != "held"])
@@ -57,6 +58,7 @@ def test_identical_trials_are_doubted() -> None:
     assert "the two-ball trials agree better than trials can" in said
 
 
+@pytest.mark.slow
 def test_a_standard_deviation_of_zero_is_no_certainty() -> None:
     table = trials()
     stated = table.assign(upper_rebound_velocity_sd=0.0)

@@ -21,6 +21,7 @@ def test_the_95_percent_set_holds_the_truth_and_one_value_is_hardly_ever_wrong(
     assert counted.wrong <= 0.05 * EXPERIMENTS
 
 
+@pytest.mark.slow
 def test_an_experiment_is_the_same_again_with_the_same_seed() -> None:
     truth, design = DESIGNS["few repeats of two mass pairs"]
     assert simulated_estimate(truth, design, 3) == simulated_estimate(truth, design, 3)
