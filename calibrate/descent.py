@@ -15,6 +15,7 @@ from calibrate.misfit import Misfit
 Array = NDArray[np.float64]
 
 _ROUNDS = 8
+_STUCK = 1.0  # damping after three steps that led nowhere: from far above nothing more is expected then
 _ARRIVED = 1e-3  # a search has arrived when its next step promises less gain of chi-square than this
 _STRIDES = (0.002, 0.006, 0.018)  # in restitution, when looking for the other side of a jump
 _COMPASS = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
@@ -120,7 +121,8 @@ def descend(misfit: Misfit, log_ratio: Array, start: Array, ceiling: Array | flo
         at[going[better]], residuals[going[better]] = trial[better], after[better]
         damping[going] *= np.where(better, 0.1, 30.0)
         chi_square = _squared(residuals)
-        going = going[chi_square[going] < chi_square.min() + out_of_reach]
+        hopeless = chi_square[going] > chi_square.min() + out_of_reach
+        going = going[~(hopeless & (damping[going] > _STUCK))]
     trace = Trace(log_ratio=log_ratio, restitutions=at, chi_square=_squared(residuals))
     return _along_jumps(misfit, trace, going)
 

@@ -87,9 +87,10 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Valley:
-    """One local fit: where it ended, and chi-square at each evaluation on the way."""
+    """One local fit: where it ended (ratio, ball-ball and ball-table restitution), chi-square on the way."""
 
     stiffness_ratio: float
+    restitutions: tuple[float, float]
     chi_square: float
     history: tuple[float, ...]
 

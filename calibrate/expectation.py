@@ -63,7 +63,7 @@ def expectation(view: Landscape, setup: Setup, design: Design, truth: float) -> 
         _drops(restitution, setup, count)
         for restitution, count in zip(view.restitutions, (design.held, design.plate), strict=True)
     ]
-    chi_square = _chi_square(view, used, rebounds, drops)
+    chi_square = linear_profile(view, used, rebounds, drops)
     freedom = rebounds.means.size + sum(each is not None for each in drops) - 3
     highest = limit(float(chi_square.min()), freedom, 0.95)
     intervals = _intervals(view.log_ratio, chi_square <= highest)
@@ -77,17 +77,36 @@ def expectation(view: Landscape, setup: Setup, design: Design, truth: float) -> 
     )
 
 
-def _chi_square(
+def linear_profile(
     view: Landscape, used: Sequence[int], rebounds: Repeats, drops: Sequence[Repeats | None]
 ) -> Array:
-    """Profile (G,): one Gauss-Newton step over the restitutions at each ratio."""
+    """Chi-square at each ratio (G,), after one Gauss-Newton step over the restitutions.
+
+    Parameters
+    ----------
+    view : Landscape
+        The model around plausible restitutions.
+    used : sequence of int
+        Mass pairs measured, as columns of the landscape.
+    rebounds : Repeats
+        Of these pairs.
+    drops : (Repeats or None, Repeats or None)
+        Ball-ball and ball-table restitution from their own drops.
+    """
     whiten = np.linalg.inv(np.linalg.cholesky(rebounds.spread))
     weight = np.sqrt(rebounds.weights)[:, None]
     off = weight * np.einsum("ij,gpj->gpi", whiten, view.rebounds[:, used] - rebounds.means)
     slopes = weight[..., None] * np.einsum("ij,gpjk->gpik", whiten, view.slopes[:, used])
     known = [0.0 if each is None else 1 / each.mean_sd() ** 2 for each in drops]
-    normal = np.einsum("gpik,gpil->gkl", slopes, slopes) + np.diag(known) + 1e-9 * np.eye(2)
-    step = -np.linalg.solve(normal, np.einsum("gpik,gpi->gk", slopes, off)[..., None])[..., 0]
+    apart = [
+        0.0 if each is None else at - float(each.means[0, 0])
+        for at, each in zip(view.restitutions, drops, strict=True)
+    ]
+    normal = np.einsum("gpik,gpil->gkl", slopes, slopes) + np.diag(known)
+    ridge = 1e-9 * (1.0 + np.trace(normal, axis1=1, axis2=2))  # slopes across a jump are huge
+    normal += ridge[:, None, None] * np.eye(2)
+    uphill = np.einsum("gpik,gpi->gk", slopes, off) + np.multiply(known, apart)
+    step = -np.linalg.solve(normal, uphill[..., None])[..., 0]
     step = np.clip(step, -np.array(view.restitutions), 1 - np.array(view.restitutions))
     refitted = view.rebounds[:, used] + np.einsum("gpik,gk->gpi", view.slopes[:, used], step)
     total = np.sum(rebounds.distances(refitted) ** 2, axis=-1)

@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 
 _GRID_POINTS = 1500
 _STEP = 1e-5  # of restitution, for slopes
+_STEEPEST = 20.0  # slope above which a step led across a jump and tells nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +62,8 @@ def landscape(
     solved = rebound_ratios(ratio.ravel(), places[place.ravel()], mass.ravel(), exponent=exponent)
     solved = solved.reshape(*shape, 2)
     slopes = np.moveaxis((solved[:, :, 1:] - solved[:, :, :1]) / steps[:, None], 2, 3)
+    across = np.abs(slopes).max(axis=(2, 3)) > _STEEPEST
+    slopes[across] = 0.0
     return Landscape(
         log_ratio=log_ratio,
         mass_ratios=tuple(mass_ratios),

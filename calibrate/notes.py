@@ -3,16 +3,19 @@
 import pandas as pd
 from scipy import stats
 
+from calibrate.basins import Basin
 from calibrate.estimate import Estimate
 from calibrate.intervals import ONE_VALUE
 from calibrate.misfit import Misfit
 from calibrate.observed import Found, Observed, usable_trials
-from calibrate.profile import Profile
+from calibrate.profile import RATIO_LIMITS, Profile
 from calibrate.repeats import ASSUMED_SCATTER, Repeats
+from calibrate.rows import MASSES, VELOCITIES
 from calibrate.speed import fit_speed_law, tells_about_speed
 
 OwnDrops = tuple[Repeats | None, Repeats | None]
 
+_AT_BOUND = 1e-3  # distance from a bound, relative, that is none
 _BAD_FIT = 0.01  # probability of a larger chi-square below which the model is said to miss the data
 _KINDS = {"held": "drops on a held ball", "plate": "drops on the plate", "two": "two-ball trials"}
 
@@ -29,7 +32,7 @@ def notes_on_trials(trials: pd.DataFrame, found: Found, own: OwnDrops) -> tuple[
     own : (Repeats or None, Repeats or None)
         Ball-ball and ball-table restitution from their own drops or from elsewhere.
     """
-    notes = [*_missing(found, own), *_left_out(trials)]
+    notes = [*_missing(found, own), *_left_out(trials), *_exact(trials), *_copied(trials)]
     for kind, observed in (("held", found.held), ("plate", found.plate), ("two", found.two)):
         if observed is not None:
             notes += _about_repeats(_KINDS[kind], observed)
@@ -47,6 +50,7 @@ def notes_on_fit(misfit: Misfit, profile: Profile, ratio: Estimate) -> tuple[str
             f"the model misses the measurements by more than their scatter (probability {chance:.1g}):"
             " do not trust the intervals"
         )
+    notes += _at_bounds(profile.basins[0])
     if ratio.verdict != ONE_VALUE and len(misfit.mass_ratios) == 1:
         notes.append(
             "all two-ball trials have one mass ratio, and drop heights carry no information on the stiffness"
@@ -68,6 +72,42 @@ def _missing(found: Found, own: OwnDrops) -> list[str]:
 def _left_out(trials: pd.DataFrame) -> list[str]:
     counts = {status: int((trials["status"] == status).sum()) for status in ("failed", "suspect")}
     return [f"{count} {status} of {len(trials)} trials left out" for status, count in counts.items() if count]
+
+
+def _exact(trials: pd.DataFrame) -> list[str]:
+    columns = ("upper_rebound_velocity_sd", "lower_rebound_velocity_sd")
+    count = int((trials.loc[trials["status"] == "ok", list(columns)] == 0).sum().sum())
+    if not count:
+        return []
+    return [f"standard deviations of zero are taken as not stated: {count} of them"]
+
+
+def _copied(trials: pd.DataFrame) -> list[str]:
+    usable = trials[(trials["status"] == "ok") & trials["kind"].isin(_KINDS)]
+    count = int(usable.duplicated(["kind", *VELOCITIES, *MASSES]).sum())
+    if not count:
+        return []
+    words = "1 trial repeats another" if count == 1 else f"{count} trials repeat others"
+    return [f"{words} digit for digit: a row that was only copied makes the intervals too narrow"]
+
+
+def _at_bounds(best: Basin) -> list[str]:
+    """Name the parameters whose best value lies where the search ends."""
+    ends = [
+        (name, value, low, high)
+        for name, value, (low, high) in (
+            ("stiffness ratio", best.stiffness_ratio, RATIO_LIMITS),
+            ("ball-ball restitution", best.restitutions[0], (0.0, 1.0)),
+            ("ball-table restitution", best.restitutions[1], (0.0, 1.0)),
+        )
+    ]
+    return [
+        f"the best fit has the {name} at its bound, {bound:g}: look for an error in what was measured, or"
+        " take it as a bound on one side"
+        for name, value, low, high in ends
+        for bound in (low, high)
+        if abs(value - bound) <= _AT_BOUND * bound or value == bound
+    ]
 
 
 def _about_repeats(kind: str, observed: Observed) -> list[str]:

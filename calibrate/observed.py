@@ -116,11 +116,13 @@ def _speed_ratios(rows: pd.DataFrame, columns: list[str]) -> tuple[Array, Array,
     """Rebound velocities over approach speed (N, p), their stated covariance (N, p, p), effects (N, K, p).
 
     The approach speed's own uncertainty moves all ratios of a trial together; a missing one counts as zero.
-    What is common to all trials is no part of the covariance: the effects are.
+    What is common to all trials is no part of the covariance: the effects are. A rebound's uncertainty of
+    zero counts as missing: nobody measures exactly.
     """
     speed = -rows["approach_velocity"].to_numpy()
     ratios = rows[columns].to_numpy() / speed[:, None]
     own = np.stack([own_variance(rows, column) for column in columns], axis=1) / speed[:, None] ** 2
+    own[rows[[f"{column}_sd" for column in columns]].to_numpy() == 0.0] = np.nan
     common = np.sqrt(np.nan_to_num(own_variance(rows, "approach_velocity"))) / speed
     together = ratios * common[:, None]
     stated = np.stack([np.diag(variance) for variance in own])

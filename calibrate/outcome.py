@@ -137,7 +137,12 @@ def curve_of(misfit: Misfit, profile: Profile, mass_ratio: float) -> Curve:
 def valleys_of(profile: Profile) -> tuple[Valley, ...]:
     """List the local fits, best first."""
     return tuple(
-        Valley(stiffness_ratio=basin.stiffness_ratio, chi_square=basin.chi_square, history=basin.history)
+        Valley(
+            stiffness_ratio=basin.stiffness_ratio,
+            restitutions=basin.restitutions,
+            chi_square=basin.chi_square,
+            history=basin.history,
+        )
         for basin in profile.basins
     )
 

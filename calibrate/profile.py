@@ -29,7 +29,7 @@ _ELSEWHERE = 2e-3  # restitutions farther apart than this belong to different se
 _WORTH_A_LOOK = 12.0  # how far above the smallest chi-square the profile is still followed closely
 _FINEST_SPACING = 0.02  # of the profile as a curve, in the logarithm
 _STEEP = 2.0  # change of chi-square from point to point above which that is not fine enough
-_EDGE_PRECISION = 2e-3  # of an interval's edge, relative
+_EDGE_PRECISION = 5e-4  # of an interval's edge, relative
 _SAME_INTERVAL = 0.02  # intervals closer than this (relative) are one: no experiment tells them apart
 
 
@@ -53,13 +53,12 @@ class Profile:
 
     def intervals(self, level: float) -> tuple[Interval, ...]:
         """Stiffness ratios not excluded at a confidence level, as a union of intervals."""
-        ratio, inside = np.exp(self.trace.log_ratio), self.inside(level)
+        inside, log_ratio = self.inside(level), self.trace.log_ratio
         walled = np.concatenate([[False], inside, [False]])
-        starts = ratio[inside & ~walled[:-2]].tolist()
-        ends = ratio[inside & ~walled[2:]].tolist()
-        logs = joined(
-            [(np.log(low), np.log(high)) for low, high in zip(starts, ends, strict=True)], _SAME_INTERVAL
-        )
+        before = np.concatenate([log_ratio[:1], log_ratio[:-1]])  # the nearest excluded on each side, or
+        after = np.concatenate([log_ratio[1:], log_ratio[-1:]])  # precise data would lose half their set
+        starts, ends = before[inside & ~walled[:-2]].tolist(), after[inside & ~walled[2:]].tolist()
+        logs = joined(list(zip(starts, ends, strict=True)), _SAME_INTERVAL)
         return tuple((float(np.exp(low)), float(np.exp(high))) for low, high in logs)
 
     def inside(self, level: float) -> NDArray[np.bool_]:
@@ -82,7 +81,7 @@ def trace_profile(misfit: Misfit) -> Profile:
     Returns
     -------
     Profile
-        With the edges of its 68 % and 95 % sets located to two parts in a thousand.
+        With the edges of its 68 % and 95 % sets located to five parts in ten thousand, outwards.
     """
     trace = _spread(misfit, search(misfit, starting_grid()))
     for _ in range(_MOST_ROUNDS // 2):

@@ -23,6 +23,11 @@ FINEST_SCATTER = 0.001
 """No speed ratio is believed to repeat better than this, however well a few trials happen to agree."""
 
 
+_HIGHEST_CORRELATION = (
+    0.999  # of two numbers; two different trials, each seen twice, would show a perfect one
+)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Repeats:
     """Means of J groups of repeated measurements of p numbers, with a spread common to all groups.
@@ -223,7 +228,10 @@ def _at_least(spread: Array, floor: Array) -> Array:
     """Raise variances to a floor; a correlation estimated from so little spread is not believed."""
     variances = np.diagonal(spread)
     if np.all(variances >= floor):
-        return spread
+        strict = _HIGHEST_CORRELATION * spread
+        np.fill_diagonal(strict, variances)
+        perfect = np.linalg.det(spread) < (1 - _HIGHEST_CORRELATION**2) * np.prod(variances)
+        return strict if perfect else spread
     scale = np.sqrt(np.maximum(floor / np.maximum(variances, 1e-300), 1.0))
     raised = spread * np.outer(scale, scale)
     return np.diag(np.maximum(np.diagonal(raised), floor))

@@ -34,6 +34,12 @@ def fit(
     force_law: Annotated[
         bool, typer.Option("--force-law", help="Also compare linear, Hertz and a free exponent.")
     ] = False,
+    contours: Annotated[
+        bool, typer.Option("--contours", help="Also draw chi-square over k2/k1 and e1.")
+    ] = False,
+    bootstrap: Annotated[
+        int, typer.Option(help="Also draw the trials again so many times, as a second opinion.")
+    ] = 0,
     ball: Annotated[
         list[str] | None,
         typer.Option(
@@ -73,7 +79,11 @@ def fit(
                     raise
                 failed.append(str(error))
         if there - {"shot"}:
-            calibrated(tables, out, options)
+            calibration = calibrated(tables, out, options)
+            if contours and calibration.pairs:
+                draw_contours(tables, out, calibration, options)
+            if bootstrap and calibration.pairs:
+                draw_again(tables, calibration, bootstrap, options)
         if force_law:
             compare_laws(tables, out, ball_ball, ball_table)
     for sentence in failed:
@@ -121,6 +131,33 @@ def fit_shots(
     calibration = fit_shot(read_trials(tables), ball=ball, cue=cue, fixed=fixed)
     calibration.save(out / "shot_fit.json")
     typer.echo(str(calibration))
+
+
+def draw_contours(
+    tables: Sequence[Path], out: Path, calibration: "Calibration", options: dict[str, Any]
+) -> None:
+    """Draw chi-square over the stiffness ratio and the ball-ball restitution."""
+    from calibrate.contours import contours
+    from calibrate.fit import misfit_of
+    from calibrate.trials import read_trials
+    from experiments import contour_plot
+
+    surface = contours(misfit_of(read_trials(tables), **options), calibration)
+    contour_plot.main(out, surface, calibration)
+
+
+def draw_again(
+    tables: Sequence[Path], calibration: "Calibration", times: int, options: dict[str, Any]
+) -> None:
+    """Draw the experiment again, by trial and from the fit, and print where the best values fall."""
+    import numpy as np
+
+    from calibrate.bootstrap import bootstrap
+    from calibrate.trials import read_trials
+
+    known = {name: options[name] for name in ("ball_ball", "ball_table")}
+    for opinion in bootstrap(read_trials(tables), calibration, np.random.default_rng(0), times, **known):
+        typer.echo(str(opinion))
 
 
 def compare_laws(tables: Sequence[Path], out: Path, ball_ball: Known, ball_table: Known) -> None:

@@ -61,6 +61,12 @@ def test_identical_trials_do_not_pretend_perfection() -> None:
     assert alike.mean_sd() == pytest.approx(FINEST_SCATTER / np.sqrt(5))
 
 
+def test_two_different_trials_each_seen_twice_show_no_perfect_correlation() -> None:
+    pair = repeats(np.array([[0.78, 0.18], [0.74, 0.20]] * 2), [0] * 4)
+    assert np.all(np.linalg.eigvalsh(pair.spread) > 0)
+    assert np.all(np.isfinite(pair.distances([[0.7, 0.1]])))
+
+
 def test_lucky_agreement_does_not_beat_the_stated_uncertainty() -> None:
     lucky = repeats(np.array([[0.800], [0.801], [0.8005]]), [0] * 3, stated=0.01)
     assert lucky.mean_sd() >= 0.01 / np.sqrt(3) * 0.999
