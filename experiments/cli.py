@@ -121,8 +121,14 @@ def bench(
     names: Annotated[
         list[str] | None, typer.Argument(help="All without a name.", metavar="[NAME]...")
     ] = None,
+    coverage: Annotated[
+        int,
+        typer.Option(help="Instead, fit so many simulated experiments a ratio: do the 95 % sets hold?"),
+    ] = 0,
 ) -> None:
     """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
+    if coverage:
+        return count_coverage(coverage)
     from experiments import bench as benches
     from experiments import bench_tracking
 
@@ -141,6 +147,14 @@ def bench(
         typer.echo("")
         for line in benches.lines(name, rows[name]()):
             typer.echo(line)
+
+
+def count_coverage(experiments: int) -> None:
+    """Print how often the sets of simulated experiments hold the truth; minutes to an hour."""
+    from experiments.coverage import DESIGNS, compute, coverage_text
+
+    for design in DESIGNS:
+        typer.echo(coverage_text(design, list(compute(design, experiments, cores()))) + "\n")
 
 
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
