@@ -10,7 +10,7 @@ from tracking.velocity import Impact
 GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
 SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
 CERTAIN = 3.0  # standard deviations
-RAMP = 1.7  # ratio of the gravities before and after an impact: between two rates it is their ratio squared
+RAMP = 2.5  # half the rate makes gravity four times less; air alone makes it up to twice less
 VAGUE = 0.1  # of the approach speed: a velocity known no better tells nothing
 MOMENTUM_TOLERANCE = 0.05  # of the momentum before; beyond it, and three sd, something else took part
 

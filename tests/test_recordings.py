@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from calibrate.rows import VELOCITIES
 from calibrate.shared import SOURCES
@@ -49,7 +50,7 @@ def pulls_of(row: dict[str, Any], truth_file: Path) -> Iterator[tuple[float, flo
 def assert_bounces(rows: list[dict[str, Any]]) -> None:
     """At least five bounces in a row, each with a sensible restitution and with gravity what it should be.
 
-    That is within 12 %, and within what is said of its uncertainty.
+    That is within 12 %, and all together no farther off than their stated uncertainties allow.
     """
     assert len(rows) >= 5
     assert all(row["status"] == "ok" for row in rows)
@@ -57,7 +58,7 @@ def assert_bounces(rows: list[dict[str, Any]]) -> None:
     assert 0.74 < min(restitution) <= max(restitution) < 0.92
     assert [row["gravity_check"] for row in rows] == pytest.approx(np.ones(len(rows)), abs=0.12)
     within = [abs(row["gravity_check"] - 1) / row["gravity_check_sd"] for row in rows]
-    assert max(within) < 2.2
+    assert np.square(within).sum() < chi2.ppf(0.99, len(rows))
     speeds = [-row["approach_velocity"] for row in rows]
     assert speeds == sorted(speeds, reverse=True)
 
@@ -120,7 +121,7 @@ def test_film_from_a_hand_bounces_as_its_maker_says(shared_data: Path) -> None:
     first = measured.rows[0]
     assert first["status"] == "ok"
     assert 0.45 < -first["upper_rebound_velocity"] / first["approach_velocity"] < 0.56
-    assert abs(first["gravity_check"] - 1) < 2 * first["gravity_check_sd"]
+    assert 0.8 < first["gravity_check"] < 1  # its mass is not told: air is left out, and gravity reads low
     assert any(remark.startswith("the camera drifts by up to 1") for remark in measured.remarks)
 
 
