@@ -26,6 +26,7 @@ from impact.record import (
     note_event,
 )
 from impact.series import spring_force
+from impact.starting import tangential_response
 from impact.sticking import choose_modes
 
 SETTLED = 1e-9
@@ -187,5 +188,18 @@ def pay_impulse_owed(core: Core, index: int) -> None:
     contact.energy_dropped -= owed * (contact.velocity[0] + 0.5 * core.delassus[row, row] * owed)
     push(core, row, owed)
     if core.rows > 1 and contact.mode in (STARTING, SLIDING):
-        push(core, row + 1, -contact.friction * owed * contact.direction_1)
-        push(core, row + 2, -contact.friction * owed * contact.direction_2)
+        drag_at_once(core, index, contact.friction * owed)
+
+
+@compiled
+def drag_at_once(core: Core, index: int, limit: float) -> None:
+    """Let friction brake a slide by an impulse up to a limit; it stops a slide, it does not turn it round."""
+    contact = core.contacts[index]
+    ahead_1, ahead_2 = contact.direction_1, contact.direction_2
+    slip = contact.velocity[1] * ahead_1 + contact.velocity[2] * ahead_2
+    first, mixed, second = tangential_response(core, index)
+    response = first * ahead_1**2 + 2.0 * mixed * ahead_1 * ahead_2 + second * ahead_2**2
+    drag = min(limit, max(slip, 0.0) / response)
+    contact.friction_work += drag * (slip - 0.5 * response * drag)
+    push(core, 3 * index + 1, -drag * ahead_1)
+    push(core, 3 * index + 2, -drag * ahead_2)

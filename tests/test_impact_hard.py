@@ -1,11 +1,25 @@
 """Ten thousand random cases a scene: none hangs, gains energy, gives NaN or leaves the friction cone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from impact import Ball, BallChain, BallColumn, Contact, ConvergenceError, Cue, CueShot, TwoBallDrop, collide
+from impact import (
+    Ball,
+    BallChain,
+    BallColumn,
+    Contact,
+    ConvergenceError,
+    Cue,
+    CueShot,
+    RestitutionLaw,
+    TwoBallDrop,
+    collide,
+)
 
 CASES = 10_000
+HERTZ = 1.5
 
 
 def contact(rng: np.random.Generator, friction: float = 0.0) -> Contact:
@@ -52,16 +66,26 @@ def random_shot(rng: np.random.Generator) -> CueShot:
     )
 
 
+def hertzian(scene):
+    """Replace the linear springs of a scene."""
+    if isinstance(scene, BallChain | BallColumn):
+        return replace(scene, contacts=[replace(one, exponent=HERTZ) for one in scene.contacts])
+    names = ("tip_ball" if isinstance(scene, CueShot) else "ball_ball", "ball_table")
+    return replace(scene, **{name: replace(getattr(scene, name), exponent=HERTZ) for name in names})
+
+
 @pytest.mark.slow
+@pytest.mark.parametrize("law", RestitutionLaw)
+@pytest.mark.parametrize("springs", [lambda scene: scene, hertzian], ids=["linear", "Hertz"])
 @pytest.mark.parametrize("make", [random_drop, random_row, random_shot])
-def test_no_random_case_hangs_gains_energy_or_breaks_coulombs_law(make):
+def test_no_random_case_hangs_gains_energy_or_breaks_coulombs_law(make, springs, law):
     rng = np.random.default_rng(20081207)
-    unfinished = 0
+    unfinished = []
     for case in range(CASES):
         try:
-            outcome = collide(make(rng))
+            outcome = collide(springs(make(rng)), law=law)
         except ConvergenceError as error:
-            unfinished += 1
+            unfinished.append(case)
             outcome = error.partial
         collision = getattr(outcome, "collision", outcome)
         velocity = collision.system.velocity
@@ -69,6 +93,7 @@ def test_no_random_case_hangs_gains_energy_or_breaks_coulombs_law(make):
         limits = np.array([touch.friction for touch in collision.system.contacts]) * collision.impulses
         tangential = np.linalg.norm(collision.tangential_impulses, axis=1)
         assert np.isfinite(collision.velocities).all(), case
-        assert collision.energy_loss >= -1e-9 * before, case
+        assert collision.energy_loss + collision.energy_borrowed >= -1e-9 * before, case
         assert (tangential <= limits * (1 + 1e-6) + 1e-9 * collision.impulses.max()).all(), case
-    assert unfinished <= CASES // 500  # cues that jam, and rattle on for more than 20,000 states
+    # cues that jam rattle on for more than 20,000 states
+    assert len(unfinished) <= CASES // 500, unfinished
