@@ -144,7 +144,12 @@ def _residuals(panel: Panel, ball: int) -> Array:
 def _farthest_residual(panel: Panel) -> float:
     if not panel.fitted or not len(panel.dots):
         return 0.1
-    return float(max(0.1, *(np.abs(_residuals(panel, ball)).max() for ball in range(2))))
+    return float(max(0.1, *((np.abs(_residuals(panel, i)) + _residual_sd(panel, i)).max() for i in range(2))))
+
+
+def _residual_sd(panel: Panel, ball: int) -> Array:
+    """Give the standard deviation of each measured ratio; zero where the table states none."""
+    return np.asarray(np.nan_to_num(100 * panel.dots[:, 4 + ball] / panel.dots[:, 0]))
 
 
 def _draw_residuals(axes: Axes, panel: Panel) -> None:
@@ -154,7 +159,7 @@ def _draw_residuals(axes: Axes, panel: Panel) -> None:
         axes.errorbar(
             speed,
             residuals,
-            yerr=100 * panel.dots[:, 4 + ball] / speed,
+            yerr=_residual_sd(panel, ball),
             fmt=marker,
             color=color,
             markersize=3.5,
