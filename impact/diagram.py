@@ -29,10 +29,16 @@ from impact.scaling import (
 from impact.system import ImpactSystem
 from impact.transition import engage, transition
 
-FINISHED, EXHAUSTED, STALLED = 0, 1, 2
+FINISHED, EXHAUSTED, STALLED, RUNAWAY = 0, 1, 2, 3
 MOST_ROUNDS = 10_000
 """Events in one state, after which a run is given up."""
-REASONS = {EXHAUSTED: f"more than {MOST_STATES} states", STALLED: "a state that does not end"}
+MOST_BORROWED = 1e6
+"""Energy that Poisson's law may make at a contact, over that of the approach."""
+REASONS = {
+    EXHAUSTED: f"more than {MOST_STATES} states",
+    STALLED: "a state that does not end",
+    RUNAWAY: "Poisson's law makes energy without bound here",
+}
 
 Outcome = TypeVar("Outcome", covariant=True)
 
@@ -60,6 +66,9 @@ def follow_diagram(core: Core, record: Record, most_states: int) -> int:
         if rounds > MOST_ROUNDS or not evolve(core, record):
             return STALLED
         transition(core, record)
+        for index in range(core.contacts.size):
+            if core.contacts[index].energy_dropped < -MOST_BORROWED:
+                return RUNAWAY
     return FINISHED
 
 
