@@ -95,6 +95,6 @@ def test_no_random_case_hangs_gains_energy_or_breaks_coulombs_law(make, springs,
         assert np.isfinite(collision.velocities).all(), case
         assert collision.energy_loss + collision.energy_borrowed >= -1e-9 * before, case
         assert (tangential <= limits * (1 + 1e-6) + 1e-9 * collision.impulses.max()).all(), case
-    # a few cues jam and rattle on for 20,000 states, and Poisson's law may make energy without bound: both end
-    # in an error, and both must stay rare
+    # a few scenes jam and rattle on for 20,000 states, and Poisson's law may make energy without bound: both
+    # end in an error, and both must stay rare
     assert len(unfinished) <= CASES // (500 if law is RestitutionLaw.ENERGY else 200), unfinished
