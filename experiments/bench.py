@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibrate.fit import fit_stiffness_ratio
-from calibrate.simulate import Design, Truth, simulate_trials
+from calibrate.simulate import Design, simulate_trials
+from experiments.aim import struck_normal
+from experiments.coverage import TRUTH
 from experiments.paper import FIG5_DROP, SHOT_BALL
 from impact import Contact, Cue, CueShot, collide, collide_many
 
@@ -137,8 +139,7 @@ def compilation() -> Iterator[Measured]:
 
 def calibration() -> Iterator[Measured]:
     """Time the whole fit with its profile from 1e-3 to 1e3, two mass pairs."""
-    truth = Truth(stiffness_ratio=10.0, ball_ball=0.807755, ball_table=0.846529)
-    trials = simulate_trials(truth, Design(), np.random.default_rng(2008))
+    trials = simulate_trials(TRUTH, Design(), np.random.default_rng(2008))
     fit_stiffness_ratio(trials)
     seconds = fastest(lambda: fit_stiffness_ratio(trials), repeats=3)
     yield Measured(quantity="fit with profile 1e-3 … 1e3, two mass pairs", value=seconds, unit="s", most=2)
@@ -158,13 +159,13 @@ def ordinary_shot() -> CueShot:
 
 def ordinary_shots(count: int, rng: np.random.Generator) -> tuple[Array, Array]:
     """Contact normals up to half a radius off the middle, and cue velocities up to 40 degrees from level."""
-    across, up = rng.uniform(-0.5, 0.5, (2, count))
+    offsets = rng.uniform(-0.5, 0.5, (2, count)).T
     elevation, speed = np.radians(rng.uniform(0.0, 40.0, count)), rng.uniform(0.5, 6.0, count)
-    along = np.array([np.zeros(count), np.cos(elevation), -np.sin(elevation)])
-    upward = np.array([np.zeros(count), np.sin(elevation), np.cos(elevation)])
-    normals = up * upward - np.sqrt(1.0 - across**2 - up**2) * along
-    normals[0] = across
-    return normals.T.copy(), (speed * along).T.copy()
+    cues = (speed * np.array([np.zeros(count), np.cos(elevation), -np.sin(elevation)])).T
+    struck = [
+        struck_normal(None, (right, up), tuple(cue)) for (right, up), cue in zip(offsets, cues, strict=True)
+    ]
+    return np.array(struck), cues
 
 
 def error_of_drops(ratios: Array) -> float:

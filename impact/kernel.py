@@ -32,6 +32,9 @@ compiled: Callable[[Function], Function] = njit(**OPTIONS)
 
 It goes without reference counts (`_nrt`), which cost more than the work; so it must not create arrays. Python
 cannot call it: without wrappers for that, all of the engine compiles in two thirds of the time.
+
+What is kept is renewed when the function's own file changes, not when a function changes that it calls: after
+an edit delete all `*.nbi` and `*.nbc` beside this file, or old and new code run together.
 """
 inlined: Callable[[Function], Function] = njit(forceinline=True, **OPTIONS)
 """The same for a small function that is called so often that the call itself would cost most."""

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from tracking.cue_tip import CueTip, measure_tip
 from tracking.flight import STANDARD_GRAVITY
-from tracking.free_motion import free_motion, meeting, upright
+from tracking.free_motion import FreeMotion, free_motion, meeting, upright
 from tracking.slide import Q, Seen, first_guess, fit_path, path
 from tracking.spin import PathValues, V, read_path
 from tracking.strike import ShotTrack
@@ -124,14 +124,7 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
     own_radius = radius if track.unit == "m" else track.radius
     gravity = STANDARD_GRAVITY * own_radius / radius
     motion = free_motion(track, gravity)
-    told = read_path(
-        motion.seen,
-        motion.last_rest,
-        own_radius,
-        scale_sd=scale_sd,
-        radius_sd=0.0 if track.unit == "m" else OUTLINE_SD,
-    )
-    told = _in_perspective(motion.seen, told) if _at_an_angle(shot) else told
+    told = _told_by_path(shot, motion, own_radius, scale_sd)
     values, sd = told.values, np.sqrt(np.diag(told.covariance))
     strike = float(values[V.STRIKE])
     place = told.fit.parameters[[Q.X, Q.Y]]
@@ -164,6 +157,13 @@ def measure_shot(shot: ShotTrack, radius: float, *, scale_sd: float = 0.0) -> Sh
         notes=(*_gaps(shot, told, tip), *doubts),
         doubts=doubts,
     )
+
+
+def _told_by_path(shot: ShotTrack, motion: FreeMotion, radius: float, scale_sd: float) -> PathValues:
+    """Read the shot from the ball's path; in pixels seen at an angle, its velocity only."""
+    radius_sd = 0.0 if shot.ball.unit == "m" else OUTLINE_SD
+    told = read_path(motion.seen, motion.last_rest, radius, scale_sd=scale_sd, radius_sd=radius_sd)
+    return _in_perspective(motion.seen, told) if _at_an_angle(shot) else told
 
 
 def _fitted(seen: Seen, told: PathValues, strike: float) -> FloatArray:
