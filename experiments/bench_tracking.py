@@ -9,9 +9,10 @@ from functools import partial
 from pathlib import Path
 
 from experiments.bench import Measured, fastest
+from tracking.decode import decode_only
 from tracking.render import Camera, DropScene, write_recording
 from tracking.track import track_balls
-from tracking.video import decode_only, open_recording
+from tracking.video import open_recording
 
 PICTURES = {  # an upright telephone, 240 frames a second; the ball is 50 pixels wide in the smaller
     "720p": DropScene(kind="plate", drop_height=0.92, camera=Camera(width_px=720), seed=720),

@@ -57,7 +57,7 @@ def _expected_radius(scale: Scale | None, ball: Body, recording: Recording) -> f
     """Radius of the ball in px, where scale and diameter tell it."""
     if scale is None or ball.diameter is None:
         return None
-    height, width = recording.samples[0].shape[:2]
+    height, width = recording.size
     metres_per_pixel = local_scale(scale, np.array([width / 2]), np.array([height / 2]))
     return ball.diameter / 2 / float(metres_per_pixel[0])
 

@@ -72,7 +72,7 @@ def without_depth(ball: Track, recording: Recording) -> tuple[Track, list[str]]:
     depth = motion_in_depth(ball)
     if not depth.is_certain:
         return ball, []
-    height, width = recording.samples[0].shape[:2]
+    height, width = recording.size
     verb, where = ("grows", "towards the camera") if depth.change > 0 else ("shrinks", "away from the camera")
     remark = (
         f"the {ball.ball} ball {verb} by {abs(depth.change):.1%} ± {depth.change_sd:.1%} along its path: it "
@@ -108,7 +108,7 @@ def budget_of(trial: Trial, balls: Sequence[Track], scale: Scale, recording: Rec
 
 def _rows_a_metre(scale: Scale, recording: Recording) -> float:
     """Share of the picture's rows in a metre downwards; 0 where rows stand upright, in a turned picture."""
-    height, width = recording.samples[0].shape[:2]
+    height, width = recording.size
     size = height * float(local_scale(scale, np.array([width / 2]), np.array([height / 2]))[0])
     return float((1, 0, -1, 0)[recording.quarter_turns] / size)
 

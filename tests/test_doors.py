@@ -18,7 +18,7 @@ SIBLINGS = {
 GIANTS = {
     "numba": ("impact/kernel.py",),
     "cv2": ("tracking/",),
-    "av": ("tracking/video.py", "tracking/encode.py"),
+    "av": ("tracking/decode.py", "tracking/encode.py"),
     "lmfit": ("calibrate/",),
     "matplotlib": ("experiments/",),
     "typer": ("experiments/",),

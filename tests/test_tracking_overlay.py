@@ -47,7 +47,7 @@ def test_every_frame_is_shown_and_the_film_plays_in_slow_motion(recording: Recor
     again = open_recording(tmp_path / "film.mp4")
     assert recording.genuine.all()
     assert (again.times.size, again.capture_fps) == (COUNT, pytest.approx(30))
-    rows, columns = again.samples[0].shape[:2]
+    rows, columns = again.size
     assert (columns, rows % 2) == (ZOOM * WIDTH, 0)
     assert rows > ZOOM * HEIGHT
     data = (tmp_path / "film.mp4").read_bytes()

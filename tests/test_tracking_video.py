@@ -17,6 +17,7 @@ from tracking.stamps import fill_stamps, find_genuine
 from tracking.video import open_recording, read_frames
 
 Picture = np.ndarray
+LUMA_RANGE = 219 / 255  # of a file's brightness over a screen's
 
 
 def pictures(clip: Clip) -> list[Picture]:
@@ -116,10 +117,12 @@ def test_background_samples_are_spread_over_files_that_hide_their_length(tmp_pat
     write_video(
         tmp_path / "ramp.mkv", (np.full((16, 16, 3), 20 + k // 2, np.uint8) for k in range(count)), 30
     )
-    samples = open_recording(tmp_path / "ramp.mkv").samples
-    steps = np.diff([float(sample.mean()) for sample in samples])
-    assert min(count, 15) <= len(samples) <= 30
+    looks = open_recording(tmp_path / "ramp.mkv").looks
+    assert len(looks) == 11
+    assert np.ptp(list(looks)) == pytest.approx(count - 1, rel=0.05)
+    steps = np.diff([float(brightness.mean()) for brightness, _, _ in looks.values()]) / LUMA_RANGE
     assert np.sum(steps) == pytest.approx((count - 1) / 2, abs=0.07 * count + 3)
+    assert np.diff(list(looks)).max() < 2 * np.diff(list(looks)).min() + 2
 
 
 def test_wide_pixels_are_made_square(tmp_path: Path) -> None:
@@ -221,7 +224,7 @@ def test_text_is_no_video_though_decoders_draw_it(tmp_path: Path) -> None:
 
 def test_pictures_turned_by_a_tag_come_upright(shared_data: Path) -> None:
     recording = open_recording(shared_data / "real" / "pingpong-table-doubled-frames.mov")
-    assert recording.samples[0].shape == (864, 1034, 3)
+    assert recording.size == (864, 1034)
     assert recording.quarter_turns == 1
     assert recording.notes == ("94 of 188 frames store the picture before them again; they were left out",)
 

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.detect import Image
 from tracking.overlay import Overlay
 from tracking.overlay_marks import Brush
+from tracking.planes import Image
 from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]

@@ -1,31 +1,31 @@
 """One image → where something ball-like differs from the background."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-Image = npt.NDArray[np.uint8]
-FloatArray = npt.NDArray[np.float64]
+from tracking.kept import COARSE, boxes, brightened, coarse_difference, coarsely, gain_between
+from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged
+from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
 MINIMUM_DIFFERENCE = 8.0  # grey levels
 MINIMUM_DIAMETER_PX = 5
 CUT_SHARE = 0.9  # a cut that leaves more than this of a patch tells nothing new
 CLOSING = np.ones((5, 5), dtype=np.uint8)
-COARSE = 4  # first look: pixels to a side of a block
-COARSE_SHARE = 0.3  # of the threshold that the smallest object leaves in one of its blocks
-BESIDE_PX = 12  # around what a first look found
-STRIP_ROWS = 64  # of the background at a time
+COLOUR_WEIGHT = 1.5  # a difference of colour spans fewer levels than one of brightness
+COARSE_SHARE = 0.3  # of the threshold that the smallest object leaves in what is looked at first
+BESIDE = 3  # coarse pixels around what a first look found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Background:
-    """The scene without what moves: (height, width, 3) levels, the same coarsely, the noise in levels."""
+    """The scene without what moves: planes, a coarse look at them, and their noise, levels."""
 
-    image: Image
-    coarse: Image
+    planes: Planes
+    coarse: Planes
     noise: float
 
     @property
@@ -39,8 +39,8 @@ class Blob:
     """A connected patch that differs from the background (pixels, grey levels).
 
     `x`, `y` is the middle of its bounding box: a ball's shaded side may be as bright as the wall behind it
-    and leave a hole, which would draw a centroid away. `fill` is its area over that of the ellipse in its
-    bounding box: 1 for a ball, sharp or smeared by motion.
+    and leave a bay, which would draw a centroid away. `fill` is its area, holes filled, over that of the
+    ellipse in its bounding box: 1 for a ball, sharp or smeared by motion.
     """
 
     x: float
@@ -57,106 +57,149 @@ class Blob:
         return self.area / (np.pi / 4 * self.width * self.height)
 
 
-def make_background(samples: list[Image]) -> Background:
-    """Take the median of pictures spread over the recording; what rests all the time stays in it."""
-    image = np.empty_like(samples[0])
-    for top in range(0, len(image), STRIP_ROWS):  # all at once would take as much memory as the samples do
-        strip = slice(top, top + STRIP_ROWS)
-        image[strip] = np.median(np.stack([sample[strip] for sample in samples]), axis=0)
-    deviations = [
-        np.median(difference(sample, image, _gain(sample, image)))
-        for sample in samples[:: max(1, len(samples) // 6)]
+def make_background(recording: Recording) -> Background:
+    """Take the median of pictures spread over the recording; what rests all the time stays in it.
+
+    Where nothing ever changed, one picture is as good.
+    """
+    windows = _ever_changed(recording)
+    parts: list[list[Planes]] = [[] for _ in windows]
+    looks = _alike(recording)
+    for look in looks:
+        for window, part in zip(windows, parts, strict=True):
+            part.append(cut(look, window))
+    whole, deviations = copied(looks[len(looks) // 2]), []
+    for window, part in zip(windows, parts, strict=True):
+        median = cut(whole, window)
+        for plane, samples in zip(median, zip(*part, strict=True), strict=True):
+            plane[:] = _median(samples)
+        sparse = (slice(None, None, 3), slice(None, None, 3))
+        deviations += [float(np.median(difference(one, median)[sparse])) for one in part[::3]]
+    noise = 1.4826 * float(np.median(deviations or [0.0]))
+    return Background(planes=whole, coarse=coarsely(whole), noise=noise)
+
+
+def _alike(recording: Recording) -> list[Planes]:
+    """Pictures spread over the recording, the camera's drift and flicker undone."""
+    looks = dict(recording.looks)
+    if recording.drift is not None:
+        return [held_still(look, recording.drift[number]) for number, look in looks.items()]
+    if len(recording.pictures) != 1:
+        return list(looks.values())
+    first = recording.pictures[0]
+    gains = [
+        gain_between(look[0][::COARSE, ::COARSE], first[0][::COARSE, ::COARSE]) for look in looks.values()
     ]
-    return Background(image=image, coarse=_coarse(image), noise=1.4826 * float(np.median(deviations)))
+    return [
+        (brightened(look[0], 1 / gain), *look[1:]) for look, gain in zip(looks.values(), gains, strict=True)
+    ]
 
 
-def difference(image: Image, background: Image, gain: float) -> npt.NDArray[np.uint8]:
-    """Find the largest difference over the colour channels, the background made `gain` times as bright."""
-    apart = cv2.absdiff(image, cv2.convertScaleAbs(background, alpha=gain))
-    blue, green, red = cv2.split(apart)
-    return np.asarray(cv2.blur(cv2.max(cv2.max(blue, green), red), (3, 3)))
+def _ever_changed(recording: Recording) -> tuple[Window, ...]:
+    """Windows outside of which no frame differs from any other; all of the picture if nobody looked."""
+    if len(recording.pictures) != 1:
+        return ((slice(0, recording.size[0]), slice(0, recording.size[1])),)
+    changed = np.zeros([-(-side // COARSE) for side in recording.size], dtype=np.uint8)
+    for kept in recording.kept:
+        for rows, columns in kept.windows:
+            changed[_coarsely(rows), _coarsely(columns)] = 1
+    return boxes(changed, 0, recording.size)
 
 
-def _gain(image: Image, background: Image) -> float:
-    """How much brighter a picture is than the background: flicker."""
-    sparse = (slice(None, None, 8), slice(None, None, 8))
-    ratio = (image[sparse].astype(np.float32) + 1) / (background[sparse].astype(np.float32) + 1)
-    return float(np.clip(np.median(ratio), 0.5, 2.0))
+def _coarsely(pixels: slice) -> slice:
+    """Turn rows or columns of a picture into those of its coarse look."""
+    return slice(pixels.start // COARSE, -(-pixels.stop // COARSE))
 
 
-def _coarse(image: Image) -> Image:
-    """Average a picture over blocks."""
-    size = (max(1, image.shape[1] // COARSE), max(1, image.shape[0] // COARSE))
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+def _median(pictures: Sequence[Image]) -> Image:
+    """Median over pictures, pixel by pixel (the upper one of an even number): the brightest bubble away.
+
+    OpenCV compares many pixels at once; sorting each pixel by itself takes twenty times as long.
+    """
+    left: list[cv2.typing.MatLike] = list(pictures)
+    for _ in range(len(left) // 2 + 1):
+        for k in range(len(left) - 1):
+            left[k], left[k + 1] = cv2.min(left[k], left[k + 1]), cv2.max(left[k], left[k + 1])
+        median = left.pop()
+    return np.asarray(median, dtype=np.uint8)
 
 
-def _changed(image: Image, background: Background, gain: float) -> tuple[slice, slice] | None:
-    """Rows and columns outside of which nothing differs from the background, by a first coarse look."""
-    apart = cv2.absdiff(_coarse(image), cv2.convertScaleAbs(background.coarse, alpha=gain)).max(axis=2)
-    left, top, width, height = cv2.boundingRect(
-        (apart > COARSE_SHARE * background.threshold).astype(np.uint8)
-    )
-    if width == 0:
-        return None
-    ends = [(top, height, image.shape[0]), (left, width, image.shape[1])]
-    rows, columns = (
-        slice(max(0, COARSE * start - BESIDE_PX), min(end, COARSE * (start + size + 1) + BESIDE_PX))
-        for start, size, end in ends
-    )
-    return rows, columns
+def difference(seen: Planes, background: Planes, gain: float = 1.0) -> Image:
+    """Find the largest difference over the planes, the background made `gain` times as bright."""
+    apart = cv2.absdiff(seen[0], brightened(background[0], gain))
+    colour = cv2.max(cv2.absdiff(seen[1], background[1]), cv2.absdiff(seen[2], background[2]))
+    strong = cv2.convertScaleAbs(colour, alpha=COLOUR_WEIGHT)
+    both = cv2.max(apart, enlarged(np.asarray(strong, dtype=np.uint8), apart.shape, cv2.INTER_NEAREST))
+    return np.asarray(cv2.blur(both, (3, 3)), dtype=np.uint8)
 
 
-def find_blobs(image: Image, background: Background) -> list[Blob]:
+def find_blobs(view: View, background: Background) -> list[Blob]:
     """List what differs from the background: each patch whole, and cut at half its own contrast.
 
     The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
     from its fainter shadow or reflection.
     """
-    gain = _gain(image, background.image)
-    window = _changed(image, background, gain)
-    if window is None:
-        return []
-    apart = difference(image[window], background.image[window], gain)
-    mask = cv2.morphologyEx((apart > background.threshold).astype(np.uint8), cv2.MORPH_CLOSE, CLOSING)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    shift = np.array([window[1].start, window[0].start, 0, 0, 0])
+    changed, gain = view.changed, 1.0
+    if changed is None:
+        coarse = coarsely(view.planes)
+        gain = gain_between(coarse[0], background.coarse[0])
+        apart = coarse_difference(coarse, background.coarse, gain)
+        changed = boxes(above(apart, COARSE_SHARE * background.threshold), BESIDE, view.planes[0].shape)
+    return [blob for window in changed for blob in _blobs_within(view.planes, background, gain, window)]
+
+
+def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
+    """List what differs from the background in a window."""
+    apart = difference(cut(seen, window), cut(background.planes, window), gain)
+    marked = above(apart, background.threshold)
+    mask = np.asarray(cv2.morphologyEx(marked, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
+    corner, shape = (window[1].start, window[0].start), seen[0].shape
     blobs = []
-    smallest = stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].min(axis=1)
-    large = (smallest >= MINIMUM_DIAMETER_PX) & (stats[:, cv2.CC_STAT_AREA] >= MINIMUM_DIAMETER_PX**2 / 2)
-    for label in np.flatnonzero(large[1:count]) + 1:
-        left, top, width, height, area = (int(v) for v in stats[label])
-        place = (slice(top, top + height), slice(left, left + width))
-        levels = np.where(labels[place] == label, apart[place], 0)
-        contrast = float(np.percentile(levels[levels > 0], 90))
-        whole = stats[label] + shift
-        blobs.append(_blob(whole, contrast, image.shape))
-        core = (levels > 0.5 * contrast).astype(np.uint8)
-        if core.sum() < CUT_SHARE * area:
-            blobs += _cores(core, (int(whole[0]), int(whole[1])), contrast, image.shape)
+    for place, area in _outlines(mask):
+        if area < MINIMUM_DIAMETER_PX**2 / 2:
+            continue
+        levels = apart[place] * mask[place]
+        contrast = _high_level(levels)
+        blobs.append(_blob(place, area, contrast, (corner, shape)))
+        core = above(levels, 0.5 * contrast)
+        if cv2.countNonZero(core) < CUT_SHARE * area:
+            within = corner[0] + place[1].start, corner[1] + place[0].start
+            blobs += [_blob(*piece, contrast, (within, shape)) for piece in _outlines(core)]
     return blobs
 
 
-def _cores(
-    core: npt.NDArray[np.uint8], corner: tuple[int, int], contrast: float, shape: tuple[int, ...]
-) -> list[Blob]:
-    """Describe the pieces of a patch that was cut."""
-    count, _, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4)
-    shift = np.array([*corner, 0, 0, 0])
-    return [
-        _blob(stats[label] + shift, contrast, shape)
-        for label in range(1, count)
-        if min(stats[label][2], stats[label][3]) >= MINIMUM_DIAMETER_PX
-    ]
+def _outlines(mask: Image) -> list[tuple[Window, float]]:
+    """Bounding box and area, holes filled, of each connected patch that could be a ball."""
+    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    found = []
+    for outline in outlines:
+        left, top, width, height = cv2.boundingRect(outline)
+        if min(width, height) >= MINIMUM_DIAMETER_PX:
+            area = cv2.contourArea(outline) + len(outline) / 2 + 1  # Pick's theorem
+            found.append(((slice(top, top + height), slice(left, left + width)), area))
+    return found
 
 
-def _blob(stats: npt.NDArray[np.int64], contrast: float, shape: tuple[int, ...]) -> Blob:
-    """Describe a connected component by OpenCV's statistics of it."""
-    left, top, width, height, area = (float(v) for v in stats)
+def _high_level(levels: Image) -> float:
+    """Level that a tenth of the pixels above nothing exceed."""
+    lit = levels[levels > 0]
+    rank = int(0.9 * (len(lit) - 1))
+    return float(np.partition(lit, rank)[rank])
+
+
+def _blob(
+    place: Window, area: float, contrast: float, frame: tuple[tuple[int, int], tuple[int, ...]]
+) -> Blob:
+    """Describe a patch; its window lies at a corner (x, y) in a picture of some shape."""
+    corner, shape = frame
+    rows, columns = place
+    left, top = corner[0] + columns.start, corner[1] + rows.start
+    width, height = columns.stop - columns.start, rows.stop - rows.start
     return Blob(
         x=left + (width - 1) / 2,
         y=top + (height - 1) / 2,
-        width=width,
-        height=height,
+        width=float(width),
+        height=float(height),
         area=area,
         contrast=contrast,
         at_border=left <= 0 or top <= 0 or left + width >= shape[1] or top + height >= shape[0],

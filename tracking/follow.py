@@ -12,15 +12,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import Circle, locate_circle
-from tracking.detect import Image
+from tracking.circle import Circle, Guess, locate_circle
 from tracking.movers import Mover, find_movers
-from tracking.video import Frame, Recording, read_frames
+from tracking.planes import Image
+from tracking.video import Frame, Recording, revisit
 
 FloatArray = npt.NDArray[np.float64]
-Guess = tuple[float, float, float]
-"""x, y and radius in px."""
-
 RADIUS_GUESSES = (0.5, 0.65, 0.8, 1.0, 1.25)  # of half the patch's width, which may hold a shadow
 REST_SECONDS = 0.4  # of rest that are looked at
 REST_FRAMES = 30  # ... and at least so many frames
@@ -66,7 +63,7 @@ def moving_balls(recording: Recording) -> list[list[Sighting]]:
 
 def follow(recording: Recording, mover: Mover) -> list[Sighting]:
     """See a mover from shortly before it moves until it is lost or rests, in order of time."""
-    frames = read_frames(recording)
+    frames = (view.frame() for view in revisit(recording))
     number = mover.taken_up
     kept, corner = _keep(recording, frames, mover, number)
     blob = mover.blobs[number]
@@ -108,7 +105,7 @@ def _keep(
     half = KEPT_DIAMETERS * mover.diameter
     left, top = max(0, int(blob.x - half)), max(0, int(blob.y - half))
     window = (slice(top, int(blob.y + half) + 1), slice(left, int(blob.x + half) + 1))
-    each = recording.samples[0][window].nbytes
+    each = 3 * (int(blob.y + half) + 1 - top) * (int(blob.x + half) + 1 - left)
     resting = max(int(REST_SECONDS * recording.capture_fps), REST_FRAMES)
     most = min(resting + number, KEPT_BYTES // each)
     kept: deque[Frame] = deque(maxlen=max(most, 2))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracking.detect import Blob, find_blobs, make_background
-from tracking.video import Recording, read_frames
+from tracking.video import Recording, revisit
 
 ROUND_FILL = (0.7, 1.25)
 LARGEST_ASPECT = 1.7  # smeared by motion, or with its shadow
@@ -61,10 +61,10 @@ class Mover:
 
 def find_movers(recording: Recording) -> list[Mover]:
     """Find the round things that move through a recording, the one that goes furthest first."""
-    background = make_background(recording.samples)
+    background = make_background(recording)
     seen = (
-        (frame.index, [blob for blob in find_blobs(frame.image, background) if _round(blob)])
-        for frame in read_frames(recording)
+        (view.index, [blob for blob in find_blobs(view, background) if _round(blob)])
+        for view in revisit(recording)
     )
     movers = [mover for chain in _link(seen) if (mover := _moving(chain)) is not None]
     return sorted(movers, key=lambda mover: -mover.way)

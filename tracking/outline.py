@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import Circle, Rim, find_rim, fit_circle
+from tracking.circle import Circle, find_rim, fit_circle
 from tracking.follow import Sighting
 from tracking.track import Track
 
@@ -116,14 +116,7 @@ def _fit(
     (left, top), (radius, hidden) = sighting.corner, rule
     guess = (circle.x - left, circle.y - top, radius)
     rim = find_rim(sighting.patch, guess, reach=REACH * radius + MARGIN_PX)
-    if rim is not None and hidden is not None:
-        rim = _without(rim, hidden)
-    found = None if rim is None else fit_circle(rim, guess, free_radius=free_radius)
+    if hidden is not None:
+        rim = rim.without(hidden, HIDDEN_HALF_ANGLE)
+    found = fit_circle(rim, guess, free_radius=free_radius)
     return None if found is None else replace(found, x=found.x + left, y=found.y + top)
-
-
-def _without(rim: Rim, direction: float) -> Rim:
-    """Leave out a rim around a direction and opposite: a radius a little wrong then shifts nothing."""
-    apart = np.abs((rim.angles - direction + np.pi / 2) % np.pi - np.pi / 2)
-    seen = apart > HIDDEN_HALF_ANGLE
-    return replace(rim, points=rim.points[seen], angles=rim.angles[seen])

@@ -10,7 +10,6 @@ import cv2
 import numpy as np
 
 from tracking.contact_sheet import arrange, choose_frames, cut_out
-from tracking.detect import Image
 from tracking.encode import write_video
 from tracking.overlay import Overlay
 from tracking.overlay_marks import (
@@ -23,6 +22,7 @@ from tracking.overlay_marks import (
     enlarged,
     whole_brush,
 )
+from tracking.planes import Image
 from tracking.video import Frame, Recording, read_frames
 
 FASTEST_PLAY = 30.0  # pictures a second: faster recordings play in slow motion
@@ -61,7 +61,7 @@ def as_png(picture: Image) -> bytes:
 
 def _film(recording: Recording, overlay: Overlay, panels: list[Image]) -> Iterator[Image]:
     """Draw every frame; put those of the contact sheet into `panels` on the way."""
-    brush = whole_brush(recording.samples[0].shape)
+    brush = whole_brush(recording.size)
     last = recording.genuine.size, float(recording.times[-1])
     texts = [_stamp(*last), *(line for scene in overlay.scenes for line in scene.lines)]
     room = 1 + max(len(scene.lines) for scene in overlay.scenes), texts

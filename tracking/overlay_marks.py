@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.detect import Image
+from tracking.planes import Image
 
 FloatArray = npt.NDArray[np.float64]
 Colour = tuple[int, int, int]

@@ -4,8 +4,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from tracking.detect import Blob
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 MISSING = -1
 MISSING_COST = 6.0
@@ -62,60 +66,63 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
     list of int
         Index into each frame's candidates, or MISSING.
     """
-    cost: list[np.ndarray] = []
-    origin: list[list[tuple[int, int] | None]] = []
-    for number, blobs in enumerate(frames):
-        own = np.array([_misfit(blob, radius) for blob in blobs])
-        total = own + MISSING_COST * number
-        came: list[tuple[int, int] | None] = [None] * len(blobs)
-        for gap in range(1, min(LONGEST_GAP, number) + 1):
-            before = frames[number - gap]
-            if not before or not blobs:
-                continue
-            step = _step_costs(before, blobs, radius, gap)
-            reach = cost[number - gap][:, None] + step + MISSING_COST * (gap - 1) + own[None, :]
-            best = reach.argmin(axis=0)
-            for index, row in enumerate(best):
-                if reach[row, index] < total[index]:
-                    total[index] = reach[row, index]
-                    came[index] = (number - gap, int(row))
-        cost.append(total)
-        origin.append(came)
-    return _without_ghosts(_walk_back(cost, origin), frames, radius)
+    table = _table([blob for blobs in frames for blob in blobs])
+    own = _misfit(table, radius)
+    total, came = np.empty(len(own)), np.full(len(own), MISSING)
+    number = np.repeat(np.arange(len(frames)), [len(blobs) for blobs in frames])
+    first = np.searchsorted(number, np.arange(len(frames) + 1))
+    for frame, (start, end) in enumerate(pairwise(first)):
+        alone = own[start:end] + MISSING_COST * frame
+        total[start:end] = alone
+        earliest = first[max(0, frame - LONGEST_GAP)]
+        if earliest == start or start == end:
+            continue
+        gap = frame - number[earliest:start, None]
+        step = _step_costs(table[:, earliest:start, None], table[:, None, start:end], radius, gap)
+        reach = total[earliest:start, None] + step + MISSING_COST * (gap - 1) + own[start:end]
+        best = reach.argmin(axis=0)
+        least = reach[best, np.arange(end - start)]
+        total[start:end] = np.minimum(least, alone)
+        came[start:end] = np.where(least < alone, earliest + best, MISSING)
+    chosen = _walk_back(total + MISSING_COST * (len(frames) - 1 - number), came)
+    places = [MISSING] * len(frames)
+    for index in chosen:
+        places[number[index]] = int(index - first[number[index]])
+    return _without_ghosts(places, frames, radius)
 
 
-def _misfit(blob: Blob, radius: float) -> float:
-    """Cost of taking a patch for the ball: wrong width, not round, smeared."""
-    size = np.log(blob.width / (2 * radius)) / SIZE_SPREAD
-    fill = np.log(blob.fill) / FILL_SPREAD
-    stretch = max(0.0, abs(np.log(blob.height / blob.width)) - 0.25)
-    return float(size**2 + fill**2 + 2 * stretch + BORDER_COST * blob.at_border)
+def _table(blobs: Sequence[Blob]) -> FloatArray:
+    """Rows of place, size, fill, contrast, border: (7, n) for n patches."""
+    rows = [(b.x, b.y, b.width, b.height, b.fill, b.contrast, b.at_border) for b in blobs]
+    return np.array(rows, dtype=np.float64).reshape(-1, 7).T
 
 
-def _step_costs(before: Sequence[Blob], after: Sequence[Blob], radius: float, gap: int) -> np.ndarray:
+def _misfit(table: FloatArray, radius: float) -> FloatArray:
+    """Cost of taking each patch for the ball: wrong width, not round, smeared."""
+    _, _, width, height, fill, _, at_border = table
+    size = np.log(width / (2 * radius)) / SIZE_SPREAD
+    roundness = np.log(fill) / FILL_SPREAD
+    stretch = np.maximum(0.0, np.abs(np.log(height / width)) - 0.25)
+    return np.asarray(size**2 + roundness**2 + 2 * stretch + BORDER_COST * at_border)
+
+
+def _step_costs(before: FloatArray, after: FloatArray, radius: float, gap: IntArray) -> FloatArray:
     """Cost of going from each candidate to each later one: sideways is dear, up and down is cheap."""
-    across = np.subtract.outer([b.x for b in before], [b.x for b in after]) / (radius * gap)
-    along = np.subtract.outer([b.y for b in before], [b.y for b in after]) / (radius * gap)
-    fade = np.log(np.divide.outer([b.contrast for b in before], [b.contrast for b in after]))
-    still = STILL_COST * (np.hypot(across, along) < STILL)
-    cost = across**2 + 0.1 * np.abs(along) + fade**2 + still
-    return np.asarray(np.where(np.abs(along) * gap > LONGEST_STEP * min(gap, 3), np.inf, cost))
+    across = (before[0] - after[0]) / (radius * gap)
+    along = np.abs(before[1] - after[1]) / (radius * gap)
+    fade = np.log(before[5] / after[5])
+    still = STILL_COST * (across**2 + along**2 < STILL**2)
+    cost = across**2 + 0.1 * along + fade**2 + still
+    return np.asarray(np.where(along * gap > LONGEST_STEP * np.minimum(gap, 3), np.inf, cost))
 
 
-def _walk_back(cost: list[np.ndarray], origin: list[list[tuple[int, int] | None]]) -> list[int]:
+def _walk_back(total: FloatArray, came: IntArray) -> list[int]:
     """Follow the cheapest path from its end to its start."""
-    frames = len(cost)
-    chosen = [MISSING] * frames
-    ends = [
-        (float(total.min()) + MISSING_COST * (frames - 1 - number), number, int(total.argmin()))
-        for number, total in enumerate(cost)
-        if total.size
-    ]
-    here: tuple[int, int] | None = min(ends)[1:] if ends else None
-    while here is not None:
-        number, index = here
-        chosen[number] = index
-        here = origin[number][index]
+    chosen = []
+    here = int(total.argmin()) if total.size else MISSING
+    while here != MISSING:
+        chosen.append(here)
+        here = int(came[here])
     return chosen
 
 

@@ -1,16 +1,18 @@
 """What a recording is once its file was read: its frames, their times of capture, what was found out."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
+from tracking.kept import Kept
+from tracking.planes import Image, Planes, Window, colours, enlarged
 from tracking.stamps import CLOCK_SD
 
 FloatArray = npt.NDArray[np.float64]
-Image = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +22,23 @@ class Frame:
     index: int
     time: float
     image: Image
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """One picture as it is measured; it holds until the next one is taken.
+
+    Outside of the windows that `changed` it shows what most of the recording shows; None: nobody looked.
+    """
+
+    index: int
+    time: float
+    planes: Planes
+    changed: tuple[Window, ...] | None = None
+
+    def frame(self) -> Frame:
+        """Make a copy that stays, of all of the picture."""
+        return Frame(index=self.index, time=self.time, image=colours(self.planes))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +52,8 @@ class Recording:
         Time of capture of every stored frame, s, first frame at its own stamp.
     genuine : (n,) array of bool
         False where a frame stores its predecessor's picture again.
-    samples : list of (height, width, 3) arrays
-        At most 30 pictures spread over the recording, from which the background is made.
+    size : two int
+        Height and width of the upright picture, px.
     capture_fps : float
         Pictures captured a second.
     rate_sd : float
@@ -43,6 +62,12 @@ class Recording:
         Counter-clockwise turns that made the stored pictures upright, 0 to 3.
     notes : tuple of str
         What was found out or assumed, for the person who made the recording.
+    looks : mapping of int to planes
+        Some pictures spread over the recording, by the number of the frame.
+    pictures : tuple of planes
+        From which the frames that are `kept` differ.
+    kept : tuple of Kept
+        What every stored frame shows, if so little changes that it can be kept in memory; else empty.
     drift : (n, 2, 3) array, optional
         Affine map from where the background belongs to where a camera that drifts shows it, for each stored
         frame; frames are given with it undone. None for a camera that stands still.
@@ -51,23 +76,30 @@ class Recording:
     path: Path
     times: FloatArray
     genuine: npt.NDArray[np.bool_]
-    samples: list[Image]
+    size: tuple[int, int]
     capture_fps: float
     rate_sd: float = CLOCK_SD
     quarter_turns: int = 0
     notes: tuple[str, ...] = ()
+    looks: Mapping[int, Planes] = field(default_factory=dict)
+    pictures: tuple[Planes, ...] = ()
+    kept: tuple[Kept, ...] = ()
     drift: FloatArray | None = None
 
-    @property
-    def bytes(self) -> int:
-        """Memory that all genuine frames take together."""
-        return int(self.genuine.sum()) * self.samples[0].nbytes
 
-
-def held_still(picture: Image, motion: FloatArray) -> Image:
+def held_still(picture: Planes, motion: FloatArray) -> Planes:
     """Undo the motion of a camera, a (2, 3) affine map, in one picture."""
+    shape = picture[0].shape
+    brightness, blue, red = (
+        moved_back(enlarged(plane, shape, cv2.INTER_LINEAR), motion) for plane in picture
+    )
+    return brightness, blue, red
+
+
+def moved_back(plane: Image, motion: FloatArray) -> Image:
+    """Undo the motion of a camera in one plane, or in all colours."""
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    size = (picture.shape[1], picture.shape[0])
+    size = (plane.shape[1], plane.shape[0])
     return np.asarray(
-        cv2.warpAffine(picture, motion, size, flags=flags, borderMode=cv2.BORDER_REPLICATE), dtype=np.uint8
+        cv2.warpAffine(plane, motion, size, flags=flags, borderMode=cv2.BORDER_REPLICATE), dtype=np.uint8
     )

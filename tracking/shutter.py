@@ -25,6 +25,6 @@ def with_row_times(track: Track, recording: Recording, readout: float) -> Track:
     Track
         The same places at times up to `readout` later.
     """
-    height, width = recording.samples[0].shape[:2]
+    height, width = recording.size
     way = (track.y / height, track.x / width, 1 - track.y / height, 1 - track.x / width)
     return replace(track, time=track.time + readout * np.clip(way[recording.quarter_turns], 0.0, 1.0))

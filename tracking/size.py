@@ -1,28 +1,37 @@
 """How large a ball of unknown size is in the picture."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
-from tracking.circle import MARGIN_PX, Circle, Image, locate_circle
+from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.detect import Blob
-from tracking.video import Frame
+from tracking.planes import Image
+from tracking.recording import Recording
+from tracking.sight import cut_out
+from tracking.video import revisit
 
 RADIUS_FRAMES = 15  # pictures on which the radius is measured
-STARTING_SIZES = (1.0, 1.2, 1.5)  # times the width at half contrast, which misses the dark side of a ball
+STARTING_SIZES = (
+    1.0,
+    1.2,
+    1.45,
+    1.75,
+)  # times the width at half contrast, which misses the dark side of a ball
+HALF_WIDTH = 3.0  # of what is looked at, times the first guess
+REFITS = 5
+SETTLED_PX = 0.01
+REACH = 0.2  # radii
 
 
-def sharpest(path: Mapping[int, Blob]) -> set[int]:
-    """Numbers of the frames in which the ball is least smeared by its motion."""
-    return set(sorted(path, key=lambda number: abs(path[number].height - path[number].width))[:RADIUS_FRAMES])
+def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float) -> float:
+    """Measure a ball's radius on some of the pictures in which it is least smeared by its motion.
 
-
-def measure_radius(frames: Iterable[Frame], path: Mapping[int, Blob], guess: float) -> float:
-    """Measure a ball's radius on some of its sharpest pictures.
+    Each is fitted from several sizes and the sharpest outline believed: shading has softer edges, further in.
 
     Parameters
     ----------
-    frames : those pictures
+    recording : Recording
     path : the patch that is the ball, by the number of the frame
     guess : float
         Radius in px as the patches tell it; cut at half contrast they are too small.
@@ -32,26 +41,40 @@ def measure_radius(frames: Iterable[Frame], path: Mapping[int, Blob], guess: flo
     float
         Radius, px; the guess if no outline is found.
     """
-    places = ((frame, path[frame.index]) for frame in frames)
-    radii = [_settled_radius(frame.image, (blob.x, blob.y, guess)) for frame, blob in places]
-    found = [radius for radius in radii if radius is not None]
-    return float(np.median(found)) if found else guess
+    sharpest = sorted(path, key=lambda number: abs(path[number].height - path[number].width))[:RADIUS_FRAMES]
+    cuttings = [
+        cut_out(view, (path[view.index].x, path[view.index].y), HALF_WIDTH * guess)
+        for view in revisit(recording, set(sharpest))
+    ]
+    images = [cutting.image for cutting in cuttings for _ in STARTING_SIZES]
+    circles = _settled(
+        images,
+        [
+            (path[c.frame].x - c.corner[0], path[c.frame].y - c.corner[1], size * guess)
+            for c in cuttings
+            for size in STARTING_SIZES
+        ],
+    )
+    radii = []
+    for first in range(0, len(circles), len(STARTING_SIZES)):
+        found = [circle for circle in circles[first : first + len(STARTING_SIZES)] if circle is not None]
+        if found:
+            radii.append(min(found, key=lambda circle: circle.y_sd / circle.inliers).radius)
+    return float(np.median(radii)) if radii else guess
 
 
-def _settled_radius(image: Image, guess: tuple[float, float, float]) -> float | None:
-    """Fit from several sizes and believe the sharpest outline: shading has softer edges, further in."""
-    x, y, radius = guess
-    fits = [_settled_circle(image, (x, y, radius * larger)) for larger in STARTING_SIZES]
-    found = [circle for circle in fits if circle is not None]
-    return min(found, key=lambda circle: circle.y_sd / circle.inliers).radius if found else None
-
-
-def _settled_circle(image: Image, guess: tuple[float, float, float]) -> Circle | None:
-    """Fit again and again from the circle just found, until the guess no longer matters."""
-    circle = None
-    for _ in range(5):
-        circle = locate_circle(image, guess, reach=0.2 * guess[2] + MARGIN_PX, free_radius=True)
-        if circle is None:
-            return None
-        guess = (circle.x, circle.y, circle.radius)
-    return circle
+def _settled(images: list[Image], guesses: list[Guess]) -> list[Circle | None]:
+    """Fit again and again from the circles just found, until the guesses no longer matter."""
+    found: list[Circle | None] = [None] * len(images)
+    going = list(range(len(images)))
+    for _ in range(REFITS):
+        reach = np.array([REACH * guesses[i][2] + MARGIN_PX for i in going])
+        starts = [guesses[i] for i in going]
+        rims = find_rims([images[i] for i in going], starts, reach=reach)
+        for i, circle in zip(tuple(going), fit_circles(rims, starts, free_radius=True), strict=True):
+            before, found[i] = guesses[i][2], circle
+            if circle is not None:
+                guesses[i] = (circle.x, circle.y, circle.radius)
+            if circle is None or abs(circle.radius - before) < SETTLED_PX:
+                going.remove(i)
+    return found

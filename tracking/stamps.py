@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -16,7 +15,7 @@ FASTEST_CAMERA = 1e6  # frames/s
 CLOCK_SD = 1e-4  # of a rate that time stamps tell: a camera's crystal, not trimmed
 NOMINAL_RATE_SD = 2e-3  # of a rate that a person or a tag tells: "240" may be 239.76, or 240.5
 RATE_TOLERANCE = 0.02  # a tag this close to the file's own rate says nothing new
-REPEAT_LEVEL = 3.0  # grey levels: two encodings of one picture differ by less
+REPEAT_LEVEL = 4.0  # grey levels: two encodings of one picture differ by less
 REPEAT_SHARE = 0.2  # ... and by less than this share of what a genuine neighbour differs by
 MOVING_LEVEL = 6.0  # grey levels: where nothing changes by more, nobody can tell
 REPEATS_TO_BELIEVE = 0.1  # at the top of a bounce two pictures may look alike by chance
@@ -97,22 +96,6 @@ def time_factor(times: FloatArray, tagged: float | None, given: float | None) ->
         return 1.0, []
     source = "--capture-fps" if given is not None else "a tag in the file"
     return file_fps / fps, [f"captured at {fps:g} frames/s ({source}) but stored at {file_fps:.4g}"]
-
-
-def thumbnail(grey: npt.NDArray[np.uint8]) -> FloatArray:
-    """Average a (height, width) picture over blocks of 8 x 8 pixels."""
-    height, width = (size // 8 for size in grey.shape)
-    if not (height and width):
-        return np.empty((0, 0))
-    whole = grey[: 8 * height, : 8 * width].astype(np.float32)
-    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), dtype=np.float64)
-
-
-def change(before: FloatArray, after: FloatArray) -> float:
-    """Measure how much the most changed places of two pictures of one shape differ, grey levels."""
-    difference = np.abs(after - before).ravel()
-    rank = min(8, difference.size)
-    return float(np.partition(difference, -rank)[-rank]) if rank else np.inf
 
 
 def find_genuine(changes: FloatArray) -> tuple[BoolArray, list[str]]:

@@ -12,14 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.errors import RecordingError
-from tracking.recording import Image, Recording, held_still
-from tracking.video import read_frames
+from tracking.planes import Image
+from tracking.recording import Recording
+from tracking.video import revisit
 
 FloatArray = npt.NDArray[np.float64]
 Points = npt.NDArray[np.float32]
 
 STILL_PX = 0.7  # less drift than that is not undone: its finding is about as noisy
-LOOKS = 12  # pictures that tell whether a camera drifts
 MOST_CORNERS = 200
 FEWEST_CORNERS = 8
 FEWEST_TO_TURN = 16  # fewer corners tell a shift, but hardly a turn
@@ -48,34 +48,33 @@ def steadied(recording: Recording) -> Recording:
     RecordingError
         If the camera moves too much.
     """
-    reference = _grey(recording.samples[len(recording.samples) // 2])
+    looks = [np.ascontiguousarray(look[0]) for look in recording.looks.values()]
+    reference = looks[len(looks) // 2]
     corners = _corners(reference)
     if len(corners) < FEWEST_CORNERS:
         return recording
-    looks = recording.samples[:: max(1, len(recording.samples) // LOOKS)]
-    seen = list(_motions(looks, reference, corners))
-    shifts = [_shift(motion, reference) for motion in seen if motion is not None]
-    if not shifts or float(np.median(shifts)) < STILL_PX:  # a passing hand drags corners along in a few
+    shifts = [
+        _shift(motion, reference) for motion in _motions(looks, reference, corners) if motion is not None
+    ]
+    one_scene = len(recording.pictures) == 1  # corners that are lost all the same belong to what moves in it
+    if not shifts or (one_scene and len(shifts) < len(looks) / 2):
         return recording
+    if float(np.median(shifts)) < STILL_PX:  # a passing hand drags corners along in a few
+        return recording
+    recording = replace(recording, kept=(), pictures=())  # what hardly moves is kept as if it stood still
     drift = _drift(recording, reference, corners)
     moved = max(_shift(motion, reference) for motion in drift)
     if moved > LARGEST_SHARE * min(reference.shape):
         raise _moves_too_much(recording, f"by {moved:.0f} px")
-    motions = _motions(recording.samples, reference, corners)
-    samples = [
-        held_still(sample, motion)
-        for sample, motion in zip(recording.samples, motions, strict=True)
-        if motion is not None
-    ]
     note = f"the camera drifts by up to {moved:.1f} px; the background was held still"
-    return replace(recording, drift=drift, samples=samples, notes=(*recording.notes, note))
+    return replace(recording, drift=drift, notes=(*recording.notes, note))
 
 
 def _motions(pictures: Iterable[Image], reference: Image, corners: Points) -> Iterator[FloatArray | None]:
-    """Motion of each picture against the reference, each looked for near the one before."""
+    """Motion of each grey picture against the reference, each looked for near the one before."""
     last = NO_MOTION
     for picture in pictures:
-        motion = _motion(reference, corners, _grey(picture), last)
+        motion = _motion(reference, corners, picture, last)
         last = last if motion is None else motion
         yield motion
 
@@ -83,7 +82,9 @@ def _motions(pictures: Iterable[Image], reference: Image, corners: Points) -> It
 def _drift(recording: Recording, reference: Image, corners: Points) -> FloatArray:
     """Motion of every stored frame against the reference, smoothed, shape (frames, 2, 3)."""
     found = np.full((len(recording.times), 2, 3), np.nan)
-    motions = _motions((frame.image for frame in read_frames(recording)), reference, corners)
+    motions = _motions(
+        (np.ascontiguousarray(view.planes[0]) for view in revisit(recording)), reference, corners
+    )
     for place, motion in zip(np.flatnonzero(recording.genuine), motions, strict=False):
         found[place] = np.nan if motion is None else motion
     known = np.flatnonzero(np.isfinite(found[:, 0, 0]))
@@ -142,10 +143,6 @@ def _corners(picture: Image) -> Points:
     """Places, (n, 2) px, that can be found again in another picture."""
     found = cv2.goodFeaturesToTrack(picture, MOST_CORNERS, 0.01, 8)
     return np.asarray([] if found is None else found, dtype=np.float32).reshape(-1, 2)
-
-
-def _grey(picture: Image) -> Image:
-    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
 def _moves_too_much(recording: Recording, how: str) -> RecordingError:

@@ -145,7 +145,7 @@ def _nearest(places: dict[int, tuple[float, float]], recording: Recording, start
     """Give the start of the ball that rests where a person says."""
     distance = {start: np.hypot(x - start_px[0], y - start_px[1]) for start, (x, y) in places.items()}
     nearest = min(distance, key=lambda start: distance[start])
-    if distance[nearest] > CLICK_SHARE * max(recording.samples[0].shape):
+    if distance[nearest] > CLICK_SHARE * max(recording.size):
         at = ", ".join(f"({x:.0f}, {y:.0f})" for x, y in places.values())
         raise RecordingError(
             f"{recording.path.name}: no ball starts to move near start_px "

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.detect import Image
+from tracking.planes import Image
 from tracking.track import Track
-from tracking.video import Frame, Recording, read_frames
+from tracking.video import Frame, Recording, revisit
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def _before(
     left, top = (max(0, int(v - AROUND * radius)) for v in centre)
     right, bottom = (int(v + AROUND * radius) + 1 for v in centre)
     frames = []
-    for frame in read_frames(recording):
+    for frame in (view.frame() for view in revisit(recording)):
         if frame.index >= started:
             break
         if frame.time >= earliest:

@@ -1,0 +1,166 @@
+"""A ball's outline in many frames: where it is roughly → rims and circles, a batch of frames at a time."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.circle import MARGIN_PX, Circle, Guess, Rim, find_rims, fit_circles
+from tracking.detect import Blob
+from tracking.planes import Image, colours, cut
+from tracking.recording import Recording, View
+from tracking.video import revisit
+
+FloatArray = npt.NDArray[np.float64]
+
+BATCH = 256  # frames at a time
+NARROW = 0.05  # radii around a circle found before, beside the margin
+WIDE = 0.15  # ... around a first guess
+RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
+MOVED_PX = 1.0  # a ball that is this far from where it was expected is looked for there in the next frame
+LONGEST_STRIDE = 32  # frames in which a ball is expected where it was, until it turns out to have moved
+MEMORY = 25  # sightings of which the median radius is expected next
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sighting:
+    """One frame's rim of one ball, the circle first fitted to it, and its way during the exposure, px."""
+
+    frame: int
+    time: float
+    rim: Rim
+    circle: Circle
+    blur: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cutting:
+    """What surrounds a place in a frame; the upper left pixel of `image` is at `corner` (x, y)."""
+
+    frame: int
+    time: float
+    image: Image
+    corner: tuple[int, int]
+
+
+def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
+    """Copy what is at most so many pixels above, below or beside a place."""
+    left, top = (max(0, int(value - half)) // 2 * 2 for value in place)
+    height, width = view.planes[0].shape
+    window = (
+        slice(top, min(int(place[1] + half) + 2, height)),
+        slice(left, min(int(place[0] + half) + 2, width)),
+    )
+    image = colours(cut(view.planes, window))
+    return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
+
+
+def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
+    """See a ball of some radius (px) wherever it is on its path, patches by the number of the frame."""
+    seen: list[Sighting] = []
+    cuttings: list[Cutting] = []
+    for view in revisit(recording, path):
+        blob = path[view.index]
+        cuttings.append(cut_out(view, (blob.x, blob.y), _half(radius, _blur(blob))))
+        if len(cuttings) == BATCH:
+            seen += _sight_on_path(cuttings, path, radius)
+            cuttings.clear()
+    return seen + _sight_on_path(cuttings, path, radius)
+
+
+def sight_resting(recording: Recording, guess: Guess) -> list[Sighting]:
+    """See a ball that rests first and may be struck later; the guess may be a radius too high or too low."""
+    seen: list[Sighting] = []
+    waiting: list[Cutting] = []
+    stride, half = 1, 2 * guess[2] + _half(guess[2], 0.0)
+    for view in revisit(recording):
+        if not seen and not waiting:
+            guess = _find_resting(view.frame().image, guess)
+        waiting.append(cut_out(view, guess[:2], half))
+        if len(waiting) >= stride:
+            guess, stride = _advance(seen, waiting, guess, stride)
+    while waiting:
+        guess, stride = _advance(seen, waiting, guess, stride)
+    return seen
+
+
+def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius: float) -> list[Sighting]:
+    blobs = [path[cutting.frame] for cutting in cuttings]
+    guesses = [(blob.x, blob.y, radius) for blob in blobs]
+    found = _sight(cuttings, guesses, np.array([_blur(blob) for blob in blobs]))
+    return [sighting for sighting in found if sighting is not None]
+
+
+def _advance(seen: list[Sighting], waiting: list[Cutting], guess: Guess, stride: int) -> tuple[Guess, int]:
+    """See the ball in some of the frames that wait, up to the first in which it is not where it was."""
+    batch = waiting[:stride]
+    found = _sight(batch, [guess] * len(batch), np.zeros(len(batch)))
+    for count, sighting in enumerate(found, start=1):
+        if sighting is None:
+            continue
+        seen.append(sighting)
+        x, y = sighting.circle.x, sighting.circle.y
+        if np.hypot(x - guess[0], y - guess[1]) > MOVED_PX:
+            del waiting[:count]
+            return (x, y, _expected_radius(seen)), 1
+    del waiting[:stride]
+    return (*guess[:2], _expected_radius(seen) if seen else guess[2]), min(2 * stride, LONGEST_STRIDE)
+
+
+def _expected_radius(seen: Sequence[Sighting]) -> float:
+    return float(np.median([sighting.circle.radius for sighting in seen[-MEMORY:]]))
+
+
+def _sight(cuttings: Sequence[Cutting], guesses: Sequence[Guess], blur: FloatArray) -> list[Sighting | None]:
+    """Fit twice, the second time from a good centre and in a narrow ring; None where no rim is seen."""
+    corners = np.array([(*cutting.corner, 0.0) for cutting in cuttings]).reshape(-1, 3)
+    local = np.array(guesses, dtype=np.float64).reshape(-1, 3) - corners
+    images, radius = [cutting.image for cutting in cuttings], local[:, 2]
+    coarse = find_rims(images, local, reach=WIDE * radius + MARGIN_PX + blur / 2, blur=blur)
+    first = fit_circles(coarse, local, free_radius=False)
+    centres = np.array([local[i] if c is None else (c.x, c.y, c.radius) for i, c in enumerate(first)])
+    rims = find_rims(images, centres, reach=MARGIN_PX + NARROW * radius + blur / 2, blur=blur)
+    circles = fit_circles(rims, centres, free_radius=True)
+    return [
+        _as_sighting(cutting, rim, circle, float(own))
+        if before and circle and abs(circle.radius - size) <= RADIUS_TOLERANCE * size + own / 4
+        else None
+        for cutting, before, rim, circle, size, own in zip(
+            cuttings, first, rims, circles, radius, blur, strict=True
+        )
+    ]
+
+
+def _as_sighting(cutting: Cutting, rim: Rim, circle: Circle, blur: float) -> Sighting:
+    """Give what was found in a cutting its place in the picture."""
+    left, top = cutting.corner
+    return Sighting(
+        frame=cutting.frame,
+        time=cutting.time,
+        rim=replace(rim, points=rim.points + cutting.corner),
+        circle=replace(circle, x=circle.x + left, y=circle.y + top),
+        blur=blur,
+    )
+
+
+def _find_resting(image: Image, guess: Guess) -> Guess:
+    """Find the resting ball up to a radius above or below the guess: where the best rim is."""
+    x, y, radius = guess
+    guesses: list[Guess] = [(x, y + shift, radius) for shift in np.linspace(-1, 1, 9) * radius]
+    for reach in (WIDE * radius + MARGIN_PX, MARGIN_PX):
+        rims = find_rims([image] * len(guesses), guesses, reach=reach)
+        circles = [c for c in fit_circles(rims, guesses, free_radius=False) if c is not None]
+        guesses = [(c.x, c.y, radius) for c in circles]
+    best = min(circles, key=lambda circle: circle.y_sd / circle.inliers, default=None)
+    return guess if best is None else (best.x, best.y, radius)
+
+
+def _blur(blob: Blob) -> float:
+    """How much longer than wide a patch is, px: a ball that moves is smeared."""
+    return abs(blob.height - blob.width)
+
+
+def _half(radius: float, blur: float) -> float:
+    """Half the width of what is cut out, so that no ray leaves it."""
+    return (1 + 2 * WIDE) * radius + 2 * MARGIN_PX + blur + 2
