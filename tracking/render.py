@@ -100,7 +100,9 @@ def truth(scene: DropScene) -> dict[str, Any]:
     }
 
 
-def write_recording(scene: DropScene, path: Path, *, crf: int | None = 20) -> dict[str, Any]:
+def write_recording(
+    scene: DropScene, path: Path, *, crf: int | None = 20, preset: str = "ultrafast"
+) -> dict[str, Any]:
     """Write the video to `path` and its truth beside it, as JSON with the same name.
 
     Parameters
@@ -111,6 +113,8 @@ def write_recording(scene: DropScene, path: Path, *, crf: int | None = 20) -> di
         Video file to write, as in ``two-06.mp4``.
     crf : int or None
         Strength of the compression: None none at all, 0 of colour only, 20 good, 35 poor.
+    preset : str
+        Speed of x264 against how well it follows what moves.
 
     Returns
     -------
@@ -120,7 +124,7 @@ def write_recording(scene: DropScene, path: Path, *, crf: int | None = 20) -> di
     shown, camera = truth(scene), scene.camera
     stretch = camera.fps / shown["file_fps"]
     times = frame_times(scene, play(scene)) * stretch if camera.jitter else None
-    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset="ultrafast", times=times)
+    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset=preset, times=times)
     path.with_suffix(".json").write_text(json.dumps(shown, indent=1) + "\n")
     return shown
 
