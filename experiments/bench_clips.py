@@ -34,7 +34,7 @@ class Filmed:
 
     @property
     def flying(self) -> npt.NDArray[np.bool_]:
-        """Frames in which the ball flies freely: out of the hand, and not in an exposure's reach of an impact."""
+        """Frames in which the ball flies freely: out of the hand, and in no exposure that an impact is in."""
         camera, time = self.scene.camera, self.track.time
         impacts = np.array([event["t"] for event in self.truth["events"]])
         middle = time + camera.exposure / 2 + camera.readout / 2
@@ -73,7 +73,7 @@ def film(scene: DropScene, crf: int | None) -> Filmed:
 
 
 def first_impact(filmed: Filmed, readout: float = 0.0) -> tuple[Impact, FloatArray]:
-    """Measure the first impact of a filmed drop, scale and air as they are; and its true velocities, (2,) m/s.
+    """Measure the first impact of a filmed drop, scale and air told; and its true velocities, (2,) m/s.
 
     `readout` is the time in which the rows are read, s, as told to the tracker.
     """
