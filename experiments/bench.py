@@ -35,7 +35,7 @@ print(time.process_time() - start)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """One figure of a benchmark: what, how much, and the most (or least) that is wanted."""
+    """One figure of a benchmark: what, how much, and the most and least that are wanted."""
 
     quantity: str
     value: float
@@ -50,6 +50,13 @@ class Measured:
             self.least is None or self.value >= self.least
         )
 
+    @property
+    def wanted(self) -> str:
+        """What is wanted, as it is printed."""
+        if self.least is None:
+            return "" if self.most is None else f"≤ {self.most:g}"
+        return f"≥ {self.least:g}" if self.most is None else f"{self.least:g} … {self.most:g}"
+
 
 def lines(title: str, rows: Iterable[Measured]) -> Iterator[str]:
     """Print measured figures against wanted ones, each as soon as it is known.
@@ -63,10 +70,8 @@ def lines(title: str, rows: Iterable[Measured]) -> Iterator[str]:
     """
     yield f"{title:52} {'measured':>11} {'wanted':>11}"
     for row in rows:
-        wanted = f"≤ {row.most:g}" if row.most is not None else ""
-        wanted = f"≥ {row.least:g}" if row.least is not None else wanted
         value = f"{row.value:.3g} {row.unit}".strip()
-        yield f"{row.quantity:52} {value:>11} {wanted:>11}{'' if row.met else '  missed'}".rstrip()
+        yield f"{row.quantity:52} {value:>11} {row.wanted:>11}{'' if row.met else '  missed'}".rstrip()
 
 
 def fastest(work: Callable[[], object], repeats: int = REPEATS) -> float:

@@ -125,10 +125,15 @@ def bench(
         int,
         typer.Option(help="Instead, fit so many simulated experiments a ratio: do the 95 % sets hold?"),
     ] = 0,
+    accuracy: Annotated[
+        bool, typer.Option("--accuracy", help="Instead, track fresh recordings of known truth: how exactly?")
+    ] = False,
 ) -> None:
     """Measure speed and accuracy on this machine, each figure beside the one that is wanted."""
     if coverage:
         return count_coverage(coverage)
+    if accuracy:
+        return measure_accuracy()
     from experiments import bench as benches
     from experiments import bench_tracking
 
@@ -155,6 +160,23 @@ def count_coverage(experiments: int) -> None:
 
     for design in DESIGNS:
         typer.echo(coverage_text(design, list(compute(design, experiments, cores()))) + "\n")
+
+
+def measure_accuracy() -> None:
+    """Print how exactly rendered recordings are measured; some minutes."""
+    from experiments import bench_accuracy, bench_velocity
+    from experiments.bench import lines
+
+    rows = {
+        "centres": bench_accuracy.centres,
+        "velocities": bench_velocity.velocities,
+        "times": bench_velocity.times,
+        "rolling shutter": bench_velocity.shutter,
+    }
+    for title, measured in rows.items():
+        for line in lines(title, measured()):
+            typer.echo(line)
+        typer.echo("")
 
 
 def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:

@@ -1,6 +1,6 @@
 """Pictures to a video file that a browser plays."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 THREADS = 2
 """Fixed, so that the same pictures make the same file on every machine."""
+CLOCK = 90_000
+"""Ticks a second in which telephones stamp frames that come at uneven intervals."""
 
 
 def write_video(
@@ -18,11 +20,12 @@ def write_video(
     frames: Iterable[NDArray[np.uint8]],
     fps: float,
     *,
-    crf: int = 20,
+    crf: int | None = 20,
     preset: str = "veryfast",
     index_first: bool = False,
+    times: Sequence[float] | NDArray[np.float64] | None = None,
 ) -> int:
-    """Encode frames as H.264 (yuv420p) with time stamps of exactly ``k / fps``.
+    """Encode frames as H.264 (yuv420p) with time stamps of exactly ``k / fps``, or as told.
 
     Parameters
     ----------
@@ -32,12 +35,15 @@ def write_video(
         Pictures, blue, green, red; rows and columns even.
     fps : float
         Frames per second the file shall claim.
-    crf : int
-        Constant rate factor of x264: 0 loses nothing, 18 looks lossless, 51 is worst.
+    crf : int or None
+        Constant rate factor of x264: 0 loses nothing but colour between pixels, 18 looks lossless, 51 is
+        worst. None stores every level of every colour as it is (FFV1).
     preset : str
         Speed of x264 against size.
     index_first : bool
         Whether an MP4 file begins with its table of contents, so that a browser can play it while it loads.
+    times : sequence of float, optional
+        Time stamp of each frame, s, the first 0; kept to 1/180000 s.
 
     Returns
     -------
@@ -45,19 +51,39 @@ def write_video(
         Number of frames written.
     """
     rate = Fraction(fps).limit_denominator(1001)
+    clock = 1 / rate if times is None else Fraction(1, CLOCK)
     count = 0
-    options = {"movflags": "faststart"} if index_first else {}
-    with av.open(str(path), "w", options=options) as container:
-        stream = container.add_stream("libx264", rate=rate)
-        stream.pix_fmt = "yuv420p"
+    with av.open(str(path), "w", options={"movflags": "faststart"} if index_first else {}) as container:
+        stream = container.add_stream("ffv1" if crf is None else "libx264", rate=rate)
+        stream.pix_fmt = "bgr0" if crf is None else "yuv420p"
         stream.thread_count = THREADS
-        stream.options = {"crf": str(crf), "preset": preset}
+        stream.codec_context.time_base = clock
+        if crf is not None:
+            stream.options = {"crf": str(crf), "preset": preset}
         for count, picture in enumerate(frames, start=1):
             if count == 1:
                 stream.height, stream.width = picture.shape[:2]
-            yuv = cv2.cvtColor(picture, cv2.COLOR_BGR2YUV_I420)
-            frame = av.VideoFrame.from_ndarray(np.asarray(yuv, np.uint8), format="yuv420p")
-            frame.pts, frame.time_base = count - 1, 1 / rate
+            frame = _exact(picture) if crf is None else _compressible(picture)
+            frame.pts = count - 1 if times is None else round(times[count - 1] * CLOCK)
+            frame.time_base = clock
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
     return count
+
+
+def _compressible(picture: NDArray[np.uint8]) -> av.VideoFrame:
+    """Keep the brightness of each pixel and the mean colour of four.
+
+    OpenCV by itself takes the colour of one of the four, which moves every edge of colour by half a pixel.
+    """
+    height, width = picture.shape[:2]
+    mean = cv2.resize(picture, (width // 2, height // 2), interpolation=cv2.INTER_AREA)
+    blocks = cv2.resize(mean, (width, height), interpolation=cv2.INTER_NEAREST)
+    yuv, coarse = (np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2YUV_I420)) for image in (picture, blocks))
+    yuv[height:] = coarse[height:]
+    return av.VideoFrame.from_ndarray(np.asarray(yuv, np.uint8), format="yuv420p")
+
+
+def _exact(picture: NDArray[np.uint8]) -> av.VideoFrame:
+    """Leave all colours as they are."""
+    return av.VideoFrame.from_ndarray(picture, format="bgr24").reformat(format="bgr0")

@@ -100,7 +100,9 @@ def truth(scene: DropScene) -> dict[str, Any]:
     }
 
 
-def write_recording(scene: DropScene, path: Path, *, crf: int = 20) -> dict[str, Any]:
+def write_recording(
+    scene: DropScene, path: Path, *, crf: int | None = 20, preset: str = "ultrafast"
+) -> dict[str, Any]:
     """Write the video to `path` and its truth beside it, as JSON with the same name.
 
     Parameters
@@ -109,16 +111,20 @@ def write_recording(scene: DropScene, path: Path, *, crf: int = 20) -> dict[str,
         What to film.
     path : Path
         Video file to write, as in ``two-06.mp4``.
-    crf : int
-        Strength of the compression: 0 none at all, 20 good, 35 poor.
+    crf : int or None
+        Strength of the compression: None none at all, 0 of colour only, 20 good, 35 poor.
+    preset : str
+        Speed of x264 against how well it follows what moves.
 
     Returns
     -------
     dict
         The truth.
     """
-    shown = truth(scene)
-    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset="ultrafast")
+    shown, camera = truth(scene), scene.camera
+    stretch = camera.fps / shown["file_fps"]
+    times = frame_times(scene, play(scene)) * stretch if camera.jitter else None
+    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset=preset, times=times)
     path.with_suffix(".json").write_text(json.dumps(shown, indent=1) + "\n")
     return shown
 

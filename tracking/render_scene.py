@@ -47,6 +47,8 @@ class Camera:
         Amplitude of the slow sway of a hand-held camera.
     tilt : float
         Angle by which the camera is turned about its axis, rad.
+    jitter : float
+        How far a frame comes early or late at most, as a share of the interval (variable frame rate).
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Camera:
     flicker: float = 0.01
     drift_px: float = 0.0
     tilt: float = 0.0
+    jitter: float = 0.0
 
     def __post_init__(self) -> None:
         require(0 < self.fps < math.inf, "fps", "be positive and finite", self.fps)
@@ -78,6 +81,7 @@ class Camera:
             require(0 <= getattr(self, name) <= 50, name, "be within [0, 50]", getattr(self, name))
         require(0 <= self.flicker < 0.5, "flicker", "be within [0, 0.5)", self.flicker)
         require(abs(self.tilt) < 0.2, "tilt", "be within (-0.2, 0.2) rad", self.tilt)
+        require(0 <= self.jitter < 0.5, "jitter", "be within [0, 0.5)", self.jitter)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,6 +111,8 @@ class DropScene:
         Time the ball rests in the hand, and time filmed after the first impact, s.
     colours : tuple of (blue, green, red)
         Colours of upper and lower ball, 0 to 255.
+    shading : float
+        0 shows flat discs, 1 balls in full light and shade.
     camera : Camera
         How it is filmed.
     seed : int
@@ -136,6 +142,7 @@ class DropScene:
     hold: float = 0.06
     after: float = 0.3
     colours: tuple[Colour, Colour] = ((40.0, 130.0, 235.0), (232.0, 238.0, 240.0))
+    shading: float = 1.0
     camera: Camera = field(default_factory=Camera)
     seed: int = 0
 

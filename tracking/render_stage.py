@@ -1,7 +1,7 @@
 """One exposure of a drop: everything that a frame shows, put together back to front."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -66,8 +66,12 @@ def build_stage(scene: DropScene, rng: np.random.Generator) -> Stage:
 
 
 def frame_times(scene: DropScene, drop: Drop) -> Floats:
-    """Time stamps of all frames until the end of the drop, s."""
-    return np.arange(math.ceil(drop.end * scene.camera.fps)) / scene.camera.fps
+    """Time stamps of all frames until the end of the drop, s; uneven where the camera's rate varies."""
+    number = np.arange(math.ceil(drop.end * scene.camera.fps), dtype=float)
+    if scene.camera.jitter:  # dice of its own: the wall and the noise stay those of the seed
+        late = np.random.default_rng((scene.seed, len(number))).uniform(-1, 1, len(number))
+        number[1:] += scene.camera.jitter * late[1:]
+    return number / scene.camera.fps
 
 
 def _track(scene: DropScene, drop: Drop, ball: int, times: Floats) -> BallTrack:
@@ -81,7 +85,7 @@ def _track(scene: DropScene, drop: Drop, ball: int, times: Floats) -> BallTrack:
         moments = moments + camera.readout * np.linspace(0, 1, scene.size_px[1])
     middle = times + camera.exposure / 2 + camera.readout / 2
     return BallTrack(
-        look=Look(colour=scene.colours[ball]),
+        look=Look(colour=scene.colours[ball], shading=scene.shading),
         radius=scene.radii[ball] / camera.metres_per_pixel,
         instants=centres(scene, drop, ball, moments),
         middles=centres(scene, drop, ball, middle),
@@ -173,4 +177,4 @@ def _draw_shadows(picture: Image, ball: BallTrack, frame: int) -> None:
     darken(plate, foot - np.array([0, edge - 0.12 * radius]), spread, 0.55 / (1 + lift) ** 2)
     # upside down, with its light: drawn on the plate's rows from the bottom up
     mirrored = np.array([place[0], len(plate) - 1 - (2 * foot[1] - place[1] - edge)])
-    render_ball(plate[::-1], mirrored, radius, Look(colour=ball.look.colour, opacity=MIRROR))
+    render_ball(plate[::-1], mirrored, radius, replace(ball.look, opacity=MIRROR))
