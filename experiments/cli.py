@@ -1,19 +1,16 @@
 """`impactlab`: thin verbs over the rooms. Each imports what it needs when it runs: help comes at once."""
 
-import os
-from collections.abc import Sequence
+import signal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from experiments import plan
+from experiments import plan, run
 from experiments.fit import EPILOG, calibrated, fit
+from experiments.run import Out, Quiet, Workers, cores, measure
 from experiments.simulate import simulate
-from experiments.verbs import SOME_FAILED, verb
-
-if TYPE_CHECKING:
-    from experiments.trial import Trial
+from experiments.verbs import verb
 
 app = typer.Typer(
     help="Film simultaneous collisions, measure them, and fit the impact model to them.",
@@ -23,12 +20,11 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(simulate, name="simulate")
+app.command(epilog=run.EPILOG)(run.process)
 app.command(epilog=EPILOG)(fit)
 app.command(epilog=plan.EPILOG)(plan.plan)
 
 FIGURES = ("fig3", "fig4", "fig5", "table1", "states")
-Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
-Out = Annotated[Path, typer.Option(help="Folder to write to; made when missing.")]
 
 
 @app.command(epilog="Example: impactlab demo --out demo")
@@ -36,65 +32,25 @@ Out = Annotated[Path, typer.Option(help="Folder to write to; made when missing."
 def demo(
     out: Out = Path("demo"),
     seed: Annotated[int, typer.Option(help="Another seed films another experiment.")] = 1,
-    workers: Annotated[int | None, typer.Option(help="Processes side by side; all cores without it.")] = None,
+    workers: Workers = None,
     quiet: Quiet = False,
 ) -> None:
     """Film an experiment with known truth, measure it, fit it, draw Fig. 5: fitted against truth."""
     from experiments import console
+    from experiments.batch import Batch
     from experiments.demo import Truth, film, fitted_against_truth, recordings
     from experiments.experiment import read_experiment
 
     truth = Truth()
-    films = film(out / "recordings", seed=seed, workers=cores() if workers is None else workers, truth=truth)
+    workers = cores() if workers is None else workers
+    films = film(out / "recordings", seed=seed, workers=workers, truth=truth)
     for _ in console.progress(films, recordings(), "filming", quiet=quiet):
         pass
-    measure(read_experiment(out / "recordings" / "experiment.toml"), out, workers, quiet, overlays=False)
+    batch = Batch(out=out, workers=workers, overlays=False)
+    measure(read_experiment(out / "recordings" / "experiment.toml"), batch, quiet=quiet)
     typer.echo("")
     calibration = calibrated([out / "trials.csv"], out, {})
     typer.echo("\n" + fitted_against_truth(calibration, truth))
-
-
-@app.command(
-    epilog="Example: impactlab process drops/ --kind plate --ball-diameter 0.040 --ball-mass 0.0027 --out out"
-)
-@verb
-def process(
-    sources: Annotated[
-        list[Path], typer.Argument(help="experiment.toml, videos, or folders of either.", metavar="SOURCE...")
-    ],
-    out: Out = Path("out"),
-    kind: Annotated[
-        str | None, typer.Option(help="What bare videos show: plate, held, two, shot or pair.")
-    ] = None,
-    ball_diameter: Annotated[float | None, typer.Option(help="Of the balls in bare videos, m.")] = None,
-    ball_mass: Annotated[
-        float | None, typer.Option(help="Of the balls in bare videos, kg; without it air is left out.")
-    ] = None,
-    metres_per_pixel: Annotated[
-        float | None, typer.Option(help="Scale; else the ball's diameter tells it.")
-    ] = None,
-    capture_fps: Annotated[
-        float | None, typer.Option(help="Frames captured a second, if the file does not tell.")
-    ] = None,
-    readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
-    overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
-    workers: Annotated[int | None, typer.Option(help="Processes side by side; all cores without it.")] = None,
-    quiet: Quiet = False,
-) -> None:
-    """Measure recordings: velocities before and after each impact, into trials.csv, tracks/, overlays/."""
-    from experiments.experiment import collect_trials
-    from experiments.trial import Body, Camera
-
-    ball = Body(mass=ball_mass, diameter=ball_diameter)
-    scale = {} if metres_per_pixel is None else {"metres_per_pixel": metres_per_pixel}
-    trials = collect_trials(
-        sources,
-        kind=kind,
-        bodies=dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), ball),
-        camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
-    )
-    if measure(trials, out, workers, quiet, overlays=overlays):
-        raise typer.Exit(SOME_FAILED)
 
 
 @app.command(epilog="Example: impactlab figures fig4 fig5 --out figures")
@@ -179,30 +135,7 @@ def measure_accuracy() -> None:
         typer.echo("")
 
 
-def measure(trials: "Sequence[Trial]", out: Path, workers: int | None, quiet: bool, *, overlays: bool) -> int:
-    """Process trials, print a line an impact; give the number of trials that failed."""
-    from experiments import console
-    from experiments.process import process as process_trials
-
-    width, headline, failed = console.name_width(trial.name for trial in trials), "", 0
-    workers = cores() if workers is None else workers
-    done = process_trials(trials, out, workers=workers, overlays=overlays)
-    for measured in console.progress(done, len(trials), "measuring", quiet=quiet):
-        if headline != (headline := console.headline(measured.trial.kind, width)):
-            typer.echo(headline)
-        for line in console.impact_lines(measured, width):
-            typer.echo(line)
-        for line in () if quiet else console.complaints(measured):
-            typer.echo(line, err=True)
-        failed += any(row["status"] == "failed" for row in measured.rows)
-    return failed
-
-
-def cores() -> int:
-    """Cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def main() -> None:
-    """Run the command line."""
+    """Run the command line; who asks it to end, as schedulers of clusters do, interrupts it."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()

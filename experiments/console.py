@@ -1,11 +1,11 @@
 """What a person at a terminal sees while recordings are processed: progress, remarks, one line an impact."""
 
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from math import atan2, degrees, hypot
 from typing import Any, TypeVar
 
-from experiments.measured import Measured
+from experiments.record import Record
 
 Item = TypeVar("Item")
 Row = Mapping[str, Any]
@@ -26,32 +26,36 @@ def name_width(names: Iterable[str]) -> int:
     return max(map(len, (*names, "trial")))
 
 
-def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> Iterator[Item]:
+def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> Generator[Item, None, None]:
     """Pass items through and draw a bar on stderr; silent when asked to be, or when nobody watches."""
     if quiet or not sys.stderr.isatty():
         yield from items
         return
+    from rich import progress as rich
     from rich.console import Console
-    from rich.progress import track
 
-    yield from track(items, description=what, total=total, console=Console(stderr=True), transient=True)
+    columns = (rich.TextColumn("{task.description}"), rich.BarColumn(), rich.MofNCompleteColumn())
+    times = (rich.TimeElapsedColumn(), rich.TextColumn("left"), rich.TimeRemainingColumn())
+    screen = Console(stderr=True)
+    together = sys.stdout.isatty()  # results in a file or a pipe must not be drawn above the bar
+    with rich.Progress(*columns, *times, console=screen, transient=True, redirect_stdout=together) as bar:
+        yield from bar.track(items, total=total, description=what)
 
 
-def impact_lines(measured: Measured, width: int) -> Iterator[str]:
+def impact_lines(record: Record, width: int) -> Iterator[str]:
     """Give one line for each impact of a trial, in the columns of its kind's `headline`."""
-    trial = measured.trial
-    columns = {"shot": _shot_columns, "pair": _pair_columns}.get(trial.kind, _drop_columns)
-    for row in measured.rows:
-        start = f"{trial.name:<{width}}  {trial.kind:<6} {row['impact']:>2}"
+    columns = {"shot": _shot_columns, "pair": _pair_columns}.get(record.kind, _drop_columns)
+    for row in record.rows:
+        start = f"{record.name:<{width}}  {record.kind:<6} {row['impact']:>2}"
         yield f"{start}  {_columns(columns(row))}  {row['status']}"
 
 
-def complaints(measured: Measured) -> Iterator[str]:
+def complaints(record: Record) -> Iterator[str]:
     """Remarks on a recording, and the reason of each impact that is not ok."""
-    yield from (f"{measured.trial.name}: {remark}" for remark in measured.remarks)
-    for row in measured.rows:
+    yield from (f"{record.name}: {remark}" for remark in record.remarks)
+    for row in record.rows:
         if row["status"] != "ok":
-            yield f"{measured.trial.name}, impact {row['impact']}: {row['status']}: {row['reason']}"
+            yield f"{record.name}, impact {row['impact']}: {row['status']}: {row['reason']}"
 
 
 def _drop_columns(row: Row) -> list[str]:
@@ -71,7 +75,7 @@ def _pair_columns(row: Row) -> list[str]:
     """Speeds of both discs before and after, restitution, change of momentum."""
     names = ("striker_before", "striker_after", "struck_before", "struck_after")
     gap = None
-    if "momentum_gap_along" in row:
+    if row.get("momentum_gap_along") is not None:
         gap = 100 * hypot(row["momentum_gap_along"], row["momentum_gap_across"])
     speeds = [_polar(row, name)[0] for name in names]
     return [*speeds, _number(row.get("restitution")), _number(gap, 2), _per_second(row)]
@@ -79,7 +83,7 @@ def _pair_columns(row: Row) -> list[str]:
 
 def _polar(row: Row, name: str) -> tuple[str, str]:
     """Size and direction in degrees of a vector NAME_x, NAME_y."""
-    if f"{name}_x" not in row:
+    if row.get(f"{name}_x") is None:
         return "", ""
     x, y = row[f"{name}_x"], row[f"{name}_y"]
     return _number(hypot(x, y), 4 if row["unit"] == "m" else 1), f"{degrees(atan2(y, x)):.2f}°"
@@ -96,5 +100,5 @@ def _columns(texts: Iterable[str]) -> str:
 
 
 def _number(value: float | None, places: int = 4) -> str:
-    """Four decimals are more than a camera tells; nothing where nothing was measured."""
+    """Four decimals are more than a camera tells; nothing where nothing was record."""
     return "" if value is None or value != value else f"{value:.{places}f}"

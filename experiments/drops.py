@@ -11,8 +11,9 @@ import numpy.typing as npt
 from calibrate.rows import VELOCITIES
 from experiments.doubt import find_doubt, gravity_is_wrong
 from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
-from experiments.measured import Measured, cells, empty_row, judgement, only_seen
+from experiments.measured import Fit, Measured, only_seen
 from experiments.rates import likely_rate
+from experiments.rows import cells, empty_row, judgement
 from experiments.trial import Body, Trial
 from tracking.budget import Budget
 from tracking.errors import RecordingError
@@ -49,7 +50,9 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     wrong = any(map(gravity_is_wrong, impacts))
     rates = (believed, likely_rate(measured.tracks[0], flights[0], believed) if wrong else None)
     measured.rows = [_row(trial, impact, number, rates) for number, impact in enumerate(impacts, start=1)]
-    scenes = _scenes(impacts, measured.tracks, flights, scale)
+    fits = [_fits(impact, measured.tracks, flights) for impact in impacts]
+    measured.fits = [fit for impact in fits for fit in impact]
+    scenes = _scenes(impacts, fits, measured.tracks[0], scale)
     measured.overlay = replace(measured.overlay, scenes=scenes)
 
 
@@ -113,7 +116,7 @@ def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | No
 
 
 def _scenes(
-    impacts: Sequence[Impact], tracks: Sequence[Track], flights: Sequence[Flight], scale: Scale
+    impacts: Sequence[Impact], fits: Sequence[Sequence[Fit]], upper: Track, scale: Scale
 ) -> tuple[Scene, ...]:
     """Tell the overlay one scene an impact, changing midway between two."""
     times = [impact.time for impact in impacts]
@@ -122,8 +125,8 @@ def _scenes(
         Scene(
             since=start,
             lines=(f"impact {number} of {len(impacts)} at {impact.time:.4f} s", *_lines(impact)),
-            curves=tuple(to_pixels(scale, curve) for curve in _curves(impact, tracks, flights)),
-            moments=(_moment(impact, tracks[0], scale, number),),
+            curves=tuple(to_pixels(scale, fit.path[:, 1:]) for fit in fits[number - 1]),
+            moments=(_moment(impact, upper, scale, number),),
         )
         for number, (impact, start) in enumerate(zip(impacts, starts, strict=True), start=1)
     )
@@ -143,18 +146,19 @@ def _moment(impact: Impact, upper: Track, scale: Scale, number: int) -> Moment:
     return Moment(time=impact.time, place=place, words=f"impact {number}")
 
 
-def _curves(impact: Impact, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[FloatArray]:
-    """Give the fitted flights (n, 2) in m: fall, rebound, hop of the lower ball; sideways as it was seen."""
+def _fits(impact: Impact, tracks: Sequence[Track], flights: Sequence[Flight]) -> list[Fit]:
+    """Give the fitted flights, m: fall, rebound, hop of the lower ball; sideways as it was seen."""
     upper, moment = tracks[0], np.array([impact.time])
     before = np.append(upper.time[upper.time < moment][-impact.frames[0] :], moment)
     after = np.append(moment, upper.time[upper.time > moment][: impact.frames[1]])
     parts = [(upper, before, 0, impact.height), (upper, after, 1, impact.height)]
     if len(tracks) > 1:
         parts.append((tracks[1], after, 2, float(np.median(tracks[1].y[tracks[1].time < moment]))))
-    curves = []
+    fits = []
     for track, time, which, height in parts:
         flight = flights[0 if track is upper else 1]
         rise = position(flight, impact.velocities[which], time - impact.time)
         kept = (rise >= 0) | (track is upper)
-        curves.append(np.column_stack((np.interp(time, track.time, track.x), height + rise))[kept])
-    return curves
+        path = np.column_stack((time, np.interp(time, track.time, track.x), height + rise))[kept]
+        fits.append(Fit(ball=track.ball, path=path))
+    return fits

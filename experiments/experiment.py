@@ -4,6 +4,8 @@ import os
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from glob import glob, has_magic
+from itertools import chain
 from pathlib import Path
 from reprlib import repr as shown
 from typing import Any
@@ -27,7 +29,7 @@ def collect_trials(
 
     Parameters
     ----------
-    sources : paths of experiment.toml files, of videos, or of folders of either
+    sources : paths of experiment.toml files, of videos, or of folders of either; patterns (``*.mp4``)
     kind, bodies, camera :
         What the command line says; it serves bare videos and overrides nothing in an experiment file.
 
@@ -48,7 +50,7 @@ def collect_trials(
     experiments.experiment.ExperimentError: two-06.mp4: no such file or folder; check the spelling
     """
     trials: list[Trial] = []
-    for source in map(Path, sources):
+    for source in chain.from_iterable(map(_matching, sources)):
         if os.path.isdir(source):
             trials += _from_folder(source, kind, bodies, camera)
         elif not os.path.exists(source):
@@ -60,6 +62,16 @@ def collect_trials(
     if not trials:
         raise ExperimentError("nothing to process: name an experiment.toml, a video, or a folder of them")
     return _with_unique_names(trials)
+
+
+def _matching(source: Path | str) -> list[Path]:
+    """Give the files a pattern stands for, where the shell has not done so; names in order."""
+    if os.path.exists(source) or not has_magic(str(source)):
+        return [Path(source)]
+    found = sorted(glob(str(source), recursive=True))
+    if not found:
+        raise ExperimentError(f"{source}: no file matches this pattern; check the spelling")
+    return [Path(path) for path in found]
 
 
 def read_experiment(path: Path) -> list[Trial]:

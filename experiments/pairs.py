@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from experiments.doubt import find_pair_doubt
-from experiments.measured import Measured, cells, empty_row, judgement, only_seen
+from experiments.measured import Fit, Measured, only_seen
+from experiments.rows import cells, empty_row, judgement
 from experiments.scales import PIXELS, told_scale
 from experiments.trial import Trial
 from tracking.overlay import Moment, Scene, outline_of
@@ -39,6 +40,8 @@ def measure_seen(measured: Measured, seen: PairTrack) -> Scene:
     impact = measure_pair(scaled, masses=_masses(measured))
     scale_sd = 0.0 if scale is None else scale.relative_sd
     measured.rows = [_row(measured.trial, impact, scaled.striker.unit, scale_sd)]
+    balls = (scaled.striker.ball,) * 2 + (scaled.struck.ball,) * 2
+    measured.fits = [Fit(ball=ball, path=leg) for ball, leg in zip(balls, impact.fitted, strict=True)]
     return _scene(impact, scaled, scale or PIXELS)
 
 

@@ -1,21 +1,16 @@
-"""Recordings → trials.csv: the one place that joins tracking and calibrate."""
+"""One recording → what is kept of it: the one place that joins tracking and calibrate."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-from joblib import Parallel, delayed
-
 from calibrate.files import write_whole
 from calibrate.rows import checked_row
-from calibrate.trials import check_trials, write_trials
 from experiments.drops import measure_drop
-from experiments.experiment import ExperimentError
-from experiments.measured import DROPS, Measured, failed_row
+from experiments.measured import Measured
 from experiments.overlays import write_overlays
 from experiments.pairs import measure_pair_trial
+from experiments.record import Record, plain_fit, write_record
+from experiments.rows import DROPS, failed_row
 from experiments.shots import measure_shot_trial
 from experiments.track_table import track_table
 from experiments.trial import Trial
@@ -28,36 +23,34 @@ __all__ = ["Measured", "measure", "process"]
 MEASURES = {**dict.fromkeys(DROPS, measure_drop), "shot": measure_shot_trial, "pair": measure_pair_trial}
 
 
-def process(trials: Sequence[Trial], out: Path, *, workers: int, overlays: bool = True) -> Iterator[Measured]:
-    """Measure all trials, yield each as it is done (in input order), then write `out`/trials.csv.
+def process(trial: Trial, told: dict[str, Any], out: Path) -> Record:
+    """Measure one trial, write its track and overlay, and when all is there its record.
 
     Parameters
     ----------
-    trials : the recordings
-    out : folder for trials.csv, tracks/NAME.csv, overlays/NAME.mp4 and .png; made if missing
-    workers : processes that work side by side
-    overlays : whether to draw what was found on the recordings, which decodes them once more
-
-    Raises
-    ------
-    ExperimentError
-        If `workers` is below 1, or `out` cannot be made.
+    trial : Trial
+    told : dict
+        All that the results depend on, as `record.told_of` gives it.
+    out : Path
+        Folder of the run.
     """
-    if workers < 1:
-        raise ExperimentError(f"workers must be at least 1, got {workers}")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ExperimentError(f"{out}: cannot be made a folder for the results: {error.strerror}") from error
-    table = []
-    parallel = Parallel(n_jobs=min(workers, len(trials)), return_as="generator")
-    folder = out / "overlays" if overlays else None
-    for measured in parallel(delayed(_measure_and_draw)(trial, folder) for trial in trials):
-        if measured.tracks:
-            write_whole(out / "tracks" / f"{measured.trial.name}.csv", track_table(measured.tracks))
-        table += measured.rows
-        yield measured
-    write_trials(check_trials(pd.DataFrame(table)), out / "trials.csv")
+    measured = measure(trial)
+    files = []
+    if measured.tracks:
+        files.append(f"tracks/{trial.name}.csv")
+        write_whole(out / files[0], track_table(measured.tracks))
+    if told.get("overlays"):
+        files += _draw(measured, out)
+    record = Record(
+        name=trial.name,
+        kind=trial.kind,
+        told=told,
+        rows=measured.rows,
+        remarks=measured.remarks,
+        files=files,
+        fits=[plain_fit(fit) for fit in measured.fits],
+    )
+    return write_record(record, out)
 
 
 def measure(trial: Trial) -> Measured:
@@ -74,6 +67,8 @@ def measure(trial: Trial) -> Measured:
         measured.recording = recording
         measured.remarks += recording.notes
         MEASURES[trial.kind](measured, recording)
+    except MemoryError:
+        raise  # for whoever set the limit
     except (RecordingError, ValueError) as error:
         measured.rows = [failed_row(trial, _named(trial, str(error)))]
     except Exception as error:  # a fault of ours in one trial must not cost the others
@@ -83,15 +78,17 @@ def measure(trial: Trial) -> Measured:
     return measured
 
 
-def _measure_and_draw(trial: Trial, folder: Path | None) -> Measured:
-    """Measure one trial and write its overlays into `folder`; what cannot be drawn is a remark."""
-    measured = measure(trial)
-    if folder is not None and measured.recording is not None and measured.overlay is not None:
-        try:
-            write_overlays(measured.recording, measured.overlay, folder / trial.name)
-        except Exception as error:  # what was measured holds without a picture of it
-            measured.remarks.append(f"no overlay could be written: {type(error).__name__}: {error}")
-    return replace(measured, recording=None)
+def _draw(measured: Measured, out: Path) -> list[str]:
+    """Write the overlays, give their names in `out`; what cannot be drawn is a remark."""
+    if measured.recording is None or measured.overlay is None:
+        return []
+    stem = f"overlays/{measured.trial.name}"
+    try:
+        endings = write_overlays(measured.recording, measured.overlay, out / stem)
+    except Exception as error:  # what was measured holds without a picture of it
+        measured.remarks.append(f"no overlay could be written: {type(error).__name__}: {error}")
+        return []
+    return [f"{stem}.{ending}" for ending in endings]
 
 
 def _named(trial: Trial, reason: str) -> str:

@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from experiments.doubt import find_shot_doubt
-from experiments.measured import Measured, cells, empty_row, judgement, only_seen
+from experiments.measured import Fit, Measured, only_seen
+from experiments.rows import cells, empty_row, judgement
 from experiments.scales import PIXELS, told_scale
 from experiments.trial import Trial
 from tracking.cue_tip import CueTip
@@ -52,6 +53,7 @@ def measure_seen(measured: Measured, seen: ShotTrack) -> Scene:
     measured.remarks += [note for note in shot.notes if note not in shot.doubts]
     reasons = [no_scale, _wrong_size(trial, seen, scaled, radius), *shot.doubts, find_shot_doubt(shot)]
     measured.rows = [_row(trial, shot, "; ".join(filter(None, reasons)))]
+    measured.fits = [Fit(ball=scaled.ball.ball, path=shot.fitted)]
     return _scene(shot, scale or PIXELS)
 
 

@@ -8,7 +8,7 @@ import typer
 
 Parameters = ParamSpec("Parameters")
 
-SOME_FAILED, WRONG_USE = 1, 2
+SOME_FAILED, WRONG_USE, INTERRUPTED = 1, 2, 130
 
 
 def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
@@ -20,6 +20,8 @@ def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
             function(*args, **kwargs)
         except typer.Exit:
             raise
+        except KeyboardInterrupt:
+            fail("stopped", INTERRUPTED)
         except OSError as error:
             fail(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         except (ValueError, RuntimeError) as error:
@@ -28,7 +30,7 @@ def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
     return guarded
 
 
-def fail(sentence: str) -> None:
-    """Say what is wrong and end with the exit code for wrong use."""
+def fail(sentence: str, code: int = WRONG_USE) -> None:
+    """Say what is wrong and end."""
     typer.echo(f"impactlab: {sentence}", err=True)
-    raise typer.Exit(WRONG_USE)
+    raise typer.Exit(code)

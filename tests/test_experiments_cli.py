@@ -137,7 +137,7 @@ def test_process_heads_each_kind_with_its_own_columns(tmp_path: Path) -> None:
     named = ["--kind", "shot", "--no-overlays", "--out", tmp_path]
     result = impactlab("process", __file__, *named)
     assert result.stdout.split()[:5] == ["trial", "kind", "n", "speed", "direction"]
-    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv"}
+    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv", "trials"}
 
 
 def test_figures_print_ours_beside_the_printed_numbers(tmp_path: Path) -> None:

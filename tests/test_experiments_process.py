@@ -10,8 +10,10 @@ import pytest
 from clips import SMALL, Clip, film
 
 from calibrate.trials import read_trials
+from experiments.batch import Batch, process_all
 from experiments.experiment import ExperimentError
-from experiments.process import Measured, measure, process
+from experiments.measured import Measured
+from experiments.process import measure
 from experiments.trial import Body, Camera, Trial
 from tracking.encode import write_video
 from tracking.render import DropScene
@@ -145,7 +147,7 @@ def test_tracks_hold_what_was_seen_and_nothing_between(plate_clip: Clip, tmp_pat
     for hidden in range(40, 46):
         pictures[hidden][60:] = wall[60:]
     write_video(tmp_path / "hidden.mp4", pictures, 240)
-    list(process([trial_of(tmp_path / "hidden.mp4")], tmp_path / "out", workers=1, overlays=False))
+    list(process_all([trial_of(tmp_path / "hidden.mp4")], Batch(out=tmp_path / "out", overlays=False)))
     with (tmp_path / "out" / "tracks" / "hidden.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["frame", "time", "ball", "x", "y", "x_sd", "y_sd", "radius"]
@@ -183,14 +185,14 @@ def test_bad_trials_cost_the_others_nothing(plate_clip: Clip, tmp_path: Path) ->
     trials.append(replace(trial_of(plate_clip.path, bodies={"upper": Body(mass=1e-6)}), name="feather"))
     trials.append(replace(trial_of(plate_clip.path, bodies={}, camera=Camera()), name="unscaled"))
     trials.append(replace(trial_of(plate_clip.path, bodies={"upper": Body(diameter=0.5)}), name="giant"))
-    measured = list(process(trials, tmp_path / "out", workers=1))
+    records = list(process_all(trials, Batch(out=tmp_path / "out")))
     sentences |= {
         "shot": "plate-00.mp4: no ball found that starts to move; film the cloth from above",
         "feather": "mass must exceed that of the displaced air",
         "unscaled": "nothing tells how large a pixel is; give --ball-diameter or --metres-per-pixel",
         "giant": "the ball would be 625 px wide, but must be between 5 and 200 px; check its diameter",
     }
-    assert [one.trial.name for one in measured] == [trial.name for trial in trials]
+    assert [record.name for record in records] == [trial.name for trial in trials]
     table = read_trials(tmp_path / "out" / "trials.csv").set_index("trial")
     assert table.loc["plate-00", "status"] == "ok"
     for name, sentence in sentences.items():
@@ -203,8 +205,8 @@ def test_bad_trials_cost_the_others_nothing(plate_clip: Clip, tmp_path: Path) ->
 
 
 def test_table_of_failures_only_is_written_with_its_reasons(tmp_path: Path) -> None:
-    (measured,) = process([trial_of(tmp_path / "gone.mp4")], tmp_path / "out", workers=4)
-    assert first_row(measured)["status"] == "failed"
+    (record,) = process_all([trial_of(tmp_path / "gone.mp4")], Batch(out=tmp_path / "out", workers=4))
+    assert record.rows[0]["status"] == "failed"
     with (tmp_path / "out" / "trials.csv").open() as file:
         (row,) = csv.DictReader(file)
     assert row["status"] == "failed"
@@ -214,6 +216,6 @@ def test_table_of_failures_only_is_written_with_its_reasons(tmp_path: Path) -> N
 def test_folder_that_cannot_be_made_is_said_before_the_work(plate_clip: Clip, tmp_path: Path) -> None:
     (tmp_path / "out").touch()
     with pytest.raises(ExperimentError, match="out: cannot be made a folder for the results: "):
-        next(process([trial_of(plate_clip.path)], tmp_path / "out", workers=1))
+        next(process_all([trial_of(plate_clip.path)], Batch(out=tmp_path / "out")))
     with pytest.raises(ExperimentError, match="workers must be at least 1, got 0"):
-        next(process([trial_of(plate_clip.path)], tmp_path, workers=0))
+        Batch(out=tmp_path, workers=0)

@@ -13,8 +13,10 @@ from film_discs import RESTITUTION, film_impact
 from calibrate.observed import found_in
 from calibrate.trials import read_trials
 from experiments import console, shots
+from experiments.batch import Batch, process_all
 from experiments.measured import Measured
-from experiments.process import measure, process
+from experiments.process import measure
+from experiments.record import Record
 from experiments.trial import Body, Camera, Trial
 from tracking.cloth import Cloth
 from tracking.render_scene import Camera as SceneCamera
@@ -53,7 +55,7 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def run(films: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Measured], Path]:
+def run(films: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Record], Path]:
     """One run over a shot without scale, a pair, and a film that is none of both."""
     trials = [
         Trial(name="shot", video=films / "shot.mp4", kind="shot"),
@@ -61,7 +63,7 @@ def run(films: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str
         Trial(name="neither", video=Path(__file__), kind="pair"),
     ]
     out = tmp_path_factory.mktemp("run")
-    return {one.trial.name: one for one in process(trials, out, workers=1)}, out
+    return {record.name: record for record in process_all(trials, Batch(out=out))}, out
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +172,7 @@ def test_a_ball_nobody_struck_fails_with_the_name_of_the_file(films: Path) -> No
 
 
 def test_a_fit_takes_from_the_table_only_the_rows_it_needs(
-    run: tuple[dict[str, Measured], Path], tmp_path: Path
+    run: tuple[dict[str, Record], Path], tmp_path: Path
 ) -> None:
     table = read_trials(run[1] / "trials.csv").set_index("trial")
     assert table["kind"].tolist() == ["shot", "pair", "pair"]
@@ -183,37 +185,44 @@ def test_a_fit_takes_from_the_table_only_the_rows_it_needs(
     assert (found.held, found.two) == (None, None)
 
 
-def test_tracks_without_a_scale_name_their_unit(run: tuple[dict[str, Measured], Path]) -> None:
+def test_tracks_without_a_scale_name_their_unit(run: tuple[dict[str, Record], Path]) -> None:
     with (run[1] / "tracks" / "shot.csv").open() as file:
         assert next(csv.reader(file))[3:] == ["x_px", "y_px", "x_sd_px", "y_sd_px", "radius_px"]
 
 
-def test_overlays_show_every_genuine_frame_of_what_was_found(run: tuple[dict[str, Measured], Path]) -> None:
-    measured, out = run
+def test_overlays_show_every_genuine_frame_of_what_was_found(
+    run: tuple[dict[str, Record], Path], films: Path
+) -> None:
+    _, out = run
     assert {path.name for path in (out / "overlays").iterdir()} == {
         *("shot.mp4", "shot.png", "pair.mp4", "pair.png")
     }
     for name in ("shot", "pair"):
-        recording = open_recording(measured[name].trial.video)
+        recording = open_recording(films / f"{name}.mp4")
         assert open_recording(out / "overlays" / f"{name}.mp4").times.size == recording.genuine.sum()
 
 
-def test_recordings_do_not_travel_with_their_results(run: tuple[dict[str, Measured], Path]) -> None:
-    assert all(measured.recording is None for measured in run[0].values())
+def test_fitted_paths_are_kept_with_the_times_they_hold_for(run: tuple[dict[str, Record], Path]) -> None:
+    records, _ = run
+    assert [fit["ball"] for fit in records["pair"].fits] == ["striker", "striker", "struck", "struck"]
+    (fit,) = records["shot"].fits
+    speed = (fit["x"][1] - fit["x"][0]) / (fit["time"][1] - fit["time"][0])
+    assert speed == pytest.approx(records["shot"].rows[0]["velocity_x"], rel=0.02)
+    assert records["neither"].fits == []
 
 
-def test_the_console_has_columns_for_each_kind(run: tuple[dict[str, Measured], Path]) -> None:
+def test_the_console_has_columns_for_each_kind(run: tuple[dict[str, Record], Path]) -> None:
     heads = {console.headline(kind, 8) for kind in ("plate", "held", "two", "shot", "pair")}
     assert len(heads) == 3
     for name, words in (("shot", "px/s  suspect"), ("pair", "px/s  ok"), ("neither", "  failed")):
         line = next(console.impact_lines(run[0][name], 8))
-        head = console.headline(run[0][name].trial.kind, 8)
+        head = console.headline(run[0][name].kind, 8)
         assert line.endswith(words)
         assert line.rindex(words.split()[-1]) == head.rindex("status")
 
 
 def test_nothing_is_drawn_when_not_asked_for(films: Path, tmp_path: Path) -> None:
     trial = Trial(name="pair", video=films / "pair.mp4", kind="pair")
-    list(process([trial], tmp_path, workers=1, overlays=False))
-    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv", "tracks"}
+    list(process_all([trial], Batch(out=tmp_path, overlays=False)))
+    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv", "trials", "tracks"}
     assert pd.read_csv(tmp_path / "trials.csv")["status"].tolist() == ["ok"]

@@ -13,8 +13,9 @@ from scipy.stats import chi2
 from calibrate.rows import VELOCITIES
 from calibrate.shared import SOURCES
 from calibrate.trials import read_trials
+from experiments.batch import Batch, process_all
 from experiments.experiment import read_experiment
-from experiments.process import measure, process
+from experiments.process import measure
 from experiments.trial import Body, Camera, Trial
 
 PING_PONG = {"upper": Body(diameter=0.040, mass=0.0027)}
@@ -73,10 +74,10 @@ def test_rendered_recording_gives_its_truth(shared_data: Path) -> None:
 def test_every_first_impact_of_the_rendered_experiment_is_true(shared_data: Path, tmp_path: Path) -> None:
     folder = shared_data / "rendered" / "drops"
     trials = read_experiment(folder / "experiment.toml")
-    done = list(process(trials, tmp_path, workers=2))
+    done = list(process_all(trials, Batch(out=tmp_path, workers=2)))
     pulls = []
     for measured in done:
-        truth = folder / f"{measured.trial.name}.json"
+        truth = folder / f"{measured.name}.json"
         assert_first_impact(measured.rows[0], truth)
         pulls += [pull for row in measured.rows for pull in pulls_of(row, truth)]
     whole, own = np.sqrt(np.mean(np.square(pulls), axis=0))
@@ -128,7 +129,7 @@ def test_film_from_a_hand_bounces_as_its_maker_says(shared_data: Path) -> None:
 @pytest.mark.slow
 def test_rendered_shots_give_their_launch_and_spin(shared_data: Path, tmp_path: Path) -> None:
     folder = shared_data / "rendered" / "shots"
-    for measured in process(read_experiment(folder / "experiment.toml"), tmp_path, workers=2):
+    for measured in process_all(read_experiment(folder / "experiment.toml"), Batch(out=tmp_path, workers=2)):
         (row,) = measured.rows
         truth = json.loads((folder / f"{row['trial']}.json").read_text())
         assert row["status"] == "ok", row["reason"]

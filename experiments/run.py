@@ -1,0 +1,128 @@
+"""The verb `process`: recordings in; trials.csv, tracks and overlays out."""
+
+import json
+import os
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from experiments.verbs import INTERRUPTED, SOME_FAILED, verb
+
+if TYPE_CHECKING:
+    from experiments.batch import Batch
+    from experiments.record import Record
+    from experiments.trial import Trial
+
+EPILOG = "Example: impactlab process drops/ --kind plate --ball-diameter 0.040 --ball-mass 0.0027 --out out"
+COLOURS = {"suspect": "yellow", "failed": "red"}
+
+Out = Annotated[Path, typer.Option(help="Folder to write to; made when missing.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No progress, no remarks.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the results as JSON, and nothing else.")]
+Workers = Annotated[
+    int | None, typer.Option(help="Recordings measured side by side; as many as cores without it.")
+]
+
+
+@verb
+def process(
+    sources: Annotated[
+        list[str],
+        typer.Argument(help="experiment.toml, videos, folders of either, or patterns.", metavar="SOURCE..."),
+    ],
+    out: Out = Path("out"),
+    kind: Annotated[
+        str | None, typer.Option(help="What bare videos show: plate, held, two, shot or pair.")
+    ] = None,
+    ball_diameter: Annotated[float | None, typer.Option(help="Of the balls in bare videos, m.")] = None,
+    ball_mass: Annotated[
+        float | None, typer.Option(help="Of the balls in bare videos, kg; without it air is left out.")
+    ] = None,
+    metres_per_pixel: Annotated[
+        float | None, typer.Option(help="Scale; else the ball's diameter tells it.")
+    ] = None,
+    capture_fps: Annotated[
+        float | None, typer.Option(help="Frames captured a second, if the file does not tell.")
+    ] = None,
+    readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
+    overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
+    workers: Workers = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Keep what is finished of the same recordings and options.")
+    ] = False,
+    timeout: Annotated[float | None, typer.Option(help="Seconds a recording may take.")] = None,
+    memory: Annotated[float | None, typer.Option(help="GB a recording may take (Linux).")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure recordings: velocities before and after each impact, into trials.csv, tracks/, overlays/."""
+    from experiments.apart import Limits
+    from experiments.batch import Batch
+    from experiments.experiment import collect_trials
+    from experiments.trial import Body, Camera
+
+    ball = Body(mass=ball_mass, diameter=ball_diameter)
+    scale = {} if metres_per_pixel is None else {"metres_per_pixel": metres_per_pixel}
+    trials = collect_trials(
+        sources,
+        kind=kind,
+        bodies=dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), ball),
+        camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
+    )
+    batch = Batch(
+        out=out,
+        workers=cores() if workers is None else workers,
+        overlays=overlays,
+        resume=resume,
+        limits=Limits(timeout=timeout, memory=memory),
+    )
+    if measure(trials, batch, quiet=quiet, as_json=as_json):
+        raise typer.Exit(SOME_FAILED)
+
+
+def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: bool = False) -> int:
+    """Process trials, print a line an impact, or all rows as JSON; give the number of trials that failed."""
+    from experiments import console
+    from experiments.batch import in_order, process_all
+
+    records: list[Record] = []
+    total, width, headline = len(trials), console.name_width(trial.name for trial in trials), ""
+    try:
+        with (
+            closing(process_all(trials, batch)) as done,
+            closing(console.progress(done, total, "measuring", quiet=quiet)) as watched,
+        ):
+            for record in in_order(watched, trials):
+                records.append(record)
+                if not as_json:
+                    headline = show(record, headline, width)
+                for line in () if quiet else console.complaints(record):
+                    typer.echo(line, err=True)
+    except KeyboardInterrupt:
+        typer.echo(f"impactlab: stopped with {len(records)} of {total} trials; go on with --resume", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        typer.echo(
+            json.dumps([row for record in records for row in record.rows], ensure_ascii=False, indent=1)
+        )
+    return sum(any(row["status"] == "failed" for row in record.rows) for record in records)
+
+
+def show(record: "Record", headline: str, width: int) -> str:
+    """Print the impacts of a trial, under their headline where it changes, and give it."""
+    from experiments import console
+
+    if headline != (headline := console.headline(record.kind, width)):
+        typer.echo(headline)
+    for row, line in zip(record.rows, console.impact_lines(record, width), strict=True):
+        colour = COLOURS.get(row["status"])
+        typer.echo(typer.style(line, fg=colour) if colour else line)
+    return headline
+
+
+def cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,227 @@
+"""Many trials: none at the cost of another, none done twice, nothing half-written."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from clips import Clip
+from hypothesis import given
+from hypothesis import strategies as st
+
+from experiments.apart import Limits, LostError, apart, end_helpers
+from experiments.batch import Batch, in_order, process_all
+from experiments.experiment import ExperimentError, collect_trials
+from experiments.record import Record, sweep, told_of, write_record
+from experiments.trial import Body, Camera, Trial
+
+BALL = {"upper": Body(mass=0.0027, diameter=0.040)}
+FREE = Limits()
+
+
+def trial_of(video: Path, name: str = "") -> Trial:
+    return Trial(name=name or video.stem, video=video, kind="plate", bodies=BALL)
+
+
+def left_over(out: Path) -> list[Path]:
+    return [path for path in out.rglob(".*") if path.is_file()]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _no_helper_outlives_these_tests() -> object:
+    yield
+    end_helpers(busy=True)
+
+
+def test_work_apart_gives_its_result_and_its_helper_serves_again() -> None:
+    first = apart("os:getpid", limits=FREE)
+    assert first != os.getpid()
+    assert apart("os:getpid", limits=FREE) == first
+    end_helpers(busy=False)
+    assert apart("os:getpid", limits=FREE) != first
+
+
+@pytest.mark.parametrize(
+    ("work", "limits", "sentence"),
+    [
+        (("time:sleep", 60.0), Limits(timeout=0.2), "it took longer than 0.2 s; cut it to what matters"),
+        (("os:abort",), FREE, r"its process ended by itself \(SIGABRT\)"),
+        (("signal:raise_signal", signal.SIGKILL), FREE, "was killed, most likely because memory ran out"),
+        (("math:sqrt", -1.0), FREE, "unexpected ValueError: .*; please report it"),
+        (("os:nothing",), FREE, "unexpected AttributeError: .*nothing"),
+    ],
+)
+def test_lost_work_is_told_with_its_reason_and_costs_nothing_else(
+    work: tuple[Any, ...], limits: Limits, sentence: str
+) -> None:
+    name, *arguments = work
+    with pytest.raises(LostError, match=sentence):
+        apart(name, *arguments, limits=limits)
+    assert apart("math:sqrt", 4.0, limits=FREE) == 2.0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is limited on Linux only")
+def test_work_that_outgrows_its_memory_is_lost_and_the_next_may_have_more() -> None:
+    with pytest.raises(LostError, match=r"it needs more memory than the 0.5 GB allowed with --memory"):
+        apart("builtins:bytes", 2**30, limits=Limits(memory=0.5))
+    assert len(apart("builtins:bytes", 2**20, limits=FREE)) == 2**20
+
+
+@given(order=st.permutations(range(6)))
+def test_results_come_in_the_order_of_the_trials_whatever_the_order_of_work(order: list[int]) -> None:
+    trials = [trial_of(Path(f"{number}.mp4")) for number in range(6)]
+    records = [Record(name=str(number), kind="plate", told={}, rows=[]) for number in order]
+    assert [record.name for record in in_order(records, trials)] == list("012345")
+
+
+def test_what_is_finished_is_kept_and_what_changed_is_done_again(plate_clip: Clip, tmp_path: Path) -> None:
+    trial, batch = trial_of(plate_clip.path), Batch(out=tmp_path, resume=True)
+    kept = tmp_path / "trials" / f"{trial.name}.json"
+    (first,) = process_all([trial], batch)
+    written, table = kept.stat().st_mtime_ns, (tmp_path / "trials.csv").read_bytes()
+    (again,) = process_all([trial], batch)
+    assert (again, kept.stat().st_mtime_ns) == (first, written)
+    assert (tmp_path / "trials.csv").read_bytes() == table
+    (tmp_path / "overlays" / f"{trial.name}.png").unlink()
+    list(process_all([trial], batch))
+    assert kept.stat().st_mtime_ns != written
+    assert (tmp_path / "overlays" / f"{trial.name}.png").is_file()
+
+
+def test_every_option_and_the_content_tell_one_trial_from_another(tmp_path: Path) -> None:
+    video = tmp_path / "drop.mp4"
+    video.write_bytes(b"a film")
+    trial = trial_of(video)
+    told = [told_of(trial, overlays=drawn) for drawn in (True, False)]
+    told.append(told_of(replace(trial, camera=Camera(readout=0.001)), overlays=True))
+    told.append(told_of(replace(trial, bodies={}), overlays=True))
+    video.write_bytes(b"a film!")
+    told.append(told_of(trial, overlays=True))
+    assert all(one != other for number, one in enumerate(told) for other in told[:number])
+    video.unlink()
+    assert told_of(trial, overlays=True) == {}
+
+
+def test_a_record_reads_as_it_was_written_without_nan(tmp_path: Path) -> None:
+    rows = [{"time": np.float64(0.1) + 0.2, "frames": np.int64(7), "lift": np.nan, "reason": "größer"}]
+    record = write_record(Record(name="a", kind="plate", told={}, rows=rows), tmp_path)
+    assert record.rows == [{"time": 0.1 + 0.2, "frames": 7, "lift": None, "reason": "größer"}]
+    assert json.loads((tmp_path / "trials" / "a.json").read_text(encoding="utf-8"))["rows"] == record.rows
+
+
+def test_only_what_a_killed_process_left_of_these_trials_is_swept(tmp_path: Path) -> None:
+    folder = tmp_path / "tracks"
+    folder.mkdir()
+    names = (".a.k3_x9abc.csv", ".a.b.k3_x9abc.csv", ".other.k3_x9abc.csv", ".a.csv", "a.csv")
+    for name in names:
+        (folder / name).touch()
+    sweep(tmp_path, ["a"])
+    assert {path.name for path in folder.iterdir()} == set(names[1:])
+
+
+def test_patterns_stand_for_the_files_they_match_in_order(tmp_path: Path) -> None:
+    for name in ("b.mp4", "a.mp4", "c.mov", "[d].mp4"):
+        (tmp_path / name).touch()
+    told = {"kind": "plate", "bodies": BALL, "camera": Camera()}
+    assert [t.name for t in collect_trials([f"{tmp_path}/?.mp4"], **told)] == ["a", "b"]  # type: ignore[arg-type]
+    assert [t.name for t in collect_trials([f"{tmp_path}/[d].mp4"], **told)] == ["[d]"]  # type: ignore[arg-type]
+    with pytest.raises(ExperimentError, match=r"x\*.mp4: no file matches this pattern"):
+        collect_trials([tmp_path / "x*.mp4"], kind="plate", bodies=BALL, camera=Camera())
+
+
+def started(folder: Path, out: Path, *words: str) -> "subprocess.Popen[bytes]":
+    """Run the command on a folder of drops."""
+    program = "import sys; from experiments.cli import main; main()"
+    command = [
+        "process",
+        str(folder),
+        "--kind",
+        "plate",
+        "--ball-diameter",
+        "0.04",
+        "--out",
+        str(out),
+        *words,
+    ]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *command, "--workers", "2", "--quiet"],
+        env=environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+    )
+
+
+def finished(folder: Path, out: Path, *words: str) -> int:
+    """Run the command to its end, give its exit code."""
+    run = started(folder, out, *words)
+    run.communicate()
+    return run.returncode
+
+
+@pytest.fixture(scope="module")
+def folder(plate_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Four recordings, one of them cut short."""
+    folder = tmp_path_factory.mktemp("drops")
+    content = plate_clip.path.read_bytes()
+    for name in "abc":
+        (folder / f"{name}.mp4").write_bytes(content)
+    (folder / "cut.mp4").write_bytes(content[:9000])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def whole(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The table of a run that nobody disturbs."""
+    out = tmp_path_factory.mktemp("whole")
+    assert finished(folder, out) == 1
+    return (out / "trials.csv").read_bytes()
+
+
+def records_in(out: Path) -> list[Path]:
+    return list((out / "trials").glob("[!.]*.json"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_a_killed_run_goes_on_to_the_same_table(
+    folder: Path, whole: bytes, tmp_path: Path, seed: int
+) -> None:
+    moments = random.Random(seed)
+    for _ in range(2):
+        run = started(folder, tmp_path, "--resume")
+        time.sleep(moments.uniform(0.5, 12))
+        run.kill()
+        run.communicate()
+    assert all(json.loads(path.read_text())["rows"] for path in records_in(tmp_path))
+    if (tmp_path / "trials.csv").exists():
+        assert (tmp_path / "trials.csv").read_bytes() == whole
+    assert finished(folder, tmp_path, "--resume") == 1
+    assert (tmp_path / "trials.csv").read_bytes() == whole
+    assert left_over(tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
+    folder: Path, tmp_path: Path, ending: signal.Signals
+) -> None:
+    run = started(folder, tmp_path)
+    while not records_in(tmp_path):
+        time.sleep(0.02)
+    time.sleep(0.5)
+    run.send_signal(ending)
+    _, complaint = run.communicate()
+    assert run.returncode == 130
+    assert b"of 4 trials; go on with --resume" in complaint
+    assert 1 <= len(records_in(tmp_path)) < 4
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + len(records_in(tmp_path))
+    assert left_over(tmp_path) == []
