@@ -47,7 +47,7 @@ class Repeats:
     too_alike : bool
         Whether they agreed better than they state (or than `FINEST_SCATTER`), so that the spread was raised.
     shared : ndarray (K, J, p)
-        What one standard deviation of each error common to all trials does to the means.
+        What one standard deviation of each of the K errors common to all trials does to the means.
     """
 
     means: Array
@@ -195,6 +195,7 @@ def _condensed(
     means = _group_means(values, weights, groups)
     off = np.linalg.solve(np.linalg.cholesky(spread), (values - means[groups]).T)
     share = np.bincount(groups)[groups]
+    common = np.array([_group_means(effect, weights, groups) for effect in np.moveaxis(effects, 1, 0)])
     deviations = np.sqrt(np.sum(off**2, axis=0) * weights * share / np.maximum(share - 1, 1))
     return Repeats(
         means=means,
@@ -202,7 +203,7 @@ def _condensed(
         spread=spread,
         degrees_of_freedom=freedom,
         deviations=deviations,
-        shared=np.array([_group_means(effect, weights, groups) for effect in np.moveaxis(effects, 1, 0)]),
+        shared=common[common.any(axis=(1, 2))] if common.size else common,
     )
 
 
