@@ -21,7 +21,6 @@ from calibrate.landscape import Landscape, landscape
 from calibrate.misfit import Misfit
 from calibrate.observed import mass_ratio_groups, usable_trials, usable_two_ball_trials
 from calibrate.profile import RATIO_LIMITS
-from calibrate.repeats import Repeats
 from calibrate.report import interval_text
 
 Array = NDArray[np.float64]
@@ -169,7 +168,7 @@ def _from_fit(
     """Draw new rebounds around what the best fit predicts."""
     best = calibration.valleys[0]
     tables = [
-        _redrawn(table, np.array([restitution]), drops, generator)
+        _redrawn(table, np.array([restitution]), drops.covariance(), generator)
         for restitution, kind, drops in zip(
             best.restitutions, ("held", "plate"), (misfit.ball_ball, misfit.ball_table), strict=True
         )
@@ -177,16 +176,16 @@ def _from_fit(
         if len(table) and drops is not None
     ]
     tables += [
-        _redrawn(table, np.array(pair.fitted), misfit.rebounds, generator)
-        for table, pair in zip(groups["two"], calibration.pairs, strict=True)
+        _redrawn(table, np.array(pair.fitted), misfit.rebounds.covariance(number), generator)
+        for number, (table, pair) in enumerate(zip(groups["two"], calibration.pairs, strict=True))
     ]
     return pd.concat(tables, ignore_index=True)
 
 
 def _redrawn(
-    table: pd.DataFrame, fitted: Array, repeats: Repeats, generator: np.random.Generator
+    table: pd.DataFrame, fitted: Array, covariance: Array, generator: np.random.Generator
 ) -> pd.DataFrame:
-    ratios = generator.multivariate_normal(fitted, repeats.spread, size=len(table))
+    ratios = generator.multivariate_normal(fitted, covariance, size=len(table))
     speed = -table["approach_velocity"].to_numpy()[:, None]
     columns = _REBOUNDS[: len(fitted)]
     return table.assign(**dict(zip(columns, (ratios * speed).T, strict=True)))
