@@ -2,8 +2,8 @@
 
 By trial, the trials of each kind and mass pair are drawn with replacement; parametric, new ones are drawn
 from the best fit with the scatter seen. The profile's sets remain the answer: a bootstrap of few trials is
-too narrow, and where several values compete it shows how often each would win. Restitutions are refitted
-linearly around the best fit, so that hundreds of experiments cost one solution of the model.
+too narrow, and where several values compete it shows how often each would win. The model linearized once
+around the best fit tells in which valleys an experiment may end; there it is refitted without linearizing.
 """
 
 from collections.abc import Callable
@@ -13,18 +13,20 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from calibrate.box import Box, descend
 from calibrate.estimate import Calibration
 from calibrate.expectation import linear_profile
 from calibrate.fit import Known, misfit_of
-from calibrate.landscape import landscape
+from calibrate.landscape import Landscape, landscape
 from calibrate.misfit import Misfit
 from calibrate.observed import mass_ratio_groups, usable_trials, usable_two_ball_trials
-from calibrate.repeats import Repeats
+from calibrate.profile import RATIO_LIMITS
 from calibrate.report import interval_text
 
 Array = NDArray[np.float64]
 
 _REBOUNDS = ["upper_rebound_velocity", "lower_rebound_velocity"]
+_VALLEYS = 3  # lowest of the linearized model that are refitted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,26 +103,38 @@ def bootstrap(
         return misfit_of(table, exponent=calibration.exponent, ball_ball=ball_ball, ball_table=ball_table)
 
     misfit, best = measured(trials), calibration.valleys[0]
-    pairs = range(len(misfit.mass_ratios))
     view = landscape(
         tuple(misfit.mass_ratios.tolist()), best.restitutions, (best.stiffness_ratio,), misfit.exponent
     )
     groups = _groups(trials)
-
-    def best_ratio(table: pd.DataFrame) -> float:
-        drawn = measured(table)
-        chi_square = linear_profile(view, pairs, drawn.rebounds, (drawn.ball_ball, drawn.ball_table))
-        return float(np.exp(view.log_ratio[int(np.argmin(chi_square))]))
 
     draws: dict[str, Callable[[], pd.DataFrame]] = {
         "by trial": lambda: _again(groups, generator),
         "parametric": lambda: _from_fit(groups, misfit, calibration, generator),
     }
     by_trial, parametric = (
-        _counted(how, sorted(best_ratio(draw()) for _ in range(times)), calibration)
+        _counted(how, sorted(_best_ratio(measured(draw()), view) for _ in range(times)), calibration)
         for how, draw in draws.items()
     )
     return by_trial, parametric
+
+
+def _best_ratio(misfit: Misfit, view: Landscape) -> float:
+    """Refit from the lowest valleys of the linearized model, all three parameters at once."""
+    pairs = range(len(misfit.mass_ratios))
+    chi_square = linear_profile(view, pairs, misfit.rebounds, (misfit.ball_ball, misfit.ball_table))
+    walled = np.concatenate([[np.inf], chi_square, [np.inf]])
+    valleys = np.flatnonzero((chi_square <= walled[:-2]) & (chi_square <= walled[2:]))
+    lowest = view.log_ratio[valleys[np.argsort(chi_square[valleys])[:_VALLEYS]]]
+    low, high = np.log(RATIO_LIMITS)
+    box = Box(
+        low=np.array([low, 0.0, 0.0]),
+        high=np.array([high, 1.0, 1.0]),
+        free=(0, 1, 2),
+        residuals=lambda points: misfit.residuals(points[:, 0], points[:, 1:]),
+    )
+    ends, heights = descend(box, np.insert(np.tile(view.restitutions, (len(lowest), 1)), 0, lowest, axis=1))
+    return float(np.exp(ends[int(np.argmin(heights)), 0]))
 
 
 def _groups(trials: pd.DataFrame) -> dict[str, list[pd.DataFrame]]:
@@ -154,7 +168,7 @@ def _from_fit(
     """Draw new rebounds around what the best fit predicts."""
     best = calibration.valleys[0]
     tables = [
-        _redrawn(table, np.array([restitution]), drops, generator)
+        _redrawn(table, np.array([restitution]), drops.covariance(), generator)
         for restitution, kind, drops in zip(
             best.restitutions, ("held", "plate"), (misfit.ball_ball, misfit.ball_table), strict=True
         )
@@ -162,16 +176,16 @@ def _from_fit(
         if len(table) and drops is not None
     ]
     tables += [
-        _redrawn(table, np.array(pair.fitted), misfit.rebounds, generator)
-        for table, pair in zip(groups["two"], calibration.pairs, strict=True)
+        _redrawn(table, np.array(pair.fitted), misfit.rebounds.covariance(number), generator)
+        for number, (table, pair) in enumerate(zip(groups["two"], calibration.pairs, strict=True))
     ]
     return pd.concat(tables, ignore_index=True)
 
 
 def _redrawn(
-    table: pd.DataFrame, fitted: Array, repeats: Repeats, generator: np.random.Generator
+    table: pd.DataFrame, fitted: Array, covariance: Array, generator: np.random.Generator
 ) -> pd.DataFrame:
-    ratios = generator.multivariate_normal(fitted, repeats.spread, size=len(table))
+    ratios = generator.multivariate_normal(fitted, covariance, size=len(table))
     speed = -table["approach_velocity"].to_numpy()[:, None]
     columns = _REBOUNDS[: len(fitted)]
     return table.assign(**dict(zip(columns, (ratios * speed).T, strict=True)))

@@ -158,13 +158,13 @@ def _values(box: Box, column: int, best: Array) -> Array:
 
 def _slopes(box: Box, at: Array, residuals: Array, columns: list[int]) -> Array:
     """Differentiate residuals (N, R) by some parameters, (N, R, C), towards the middle of the box."""
-    slopes = np.empty((*residuals.shape, len(columns)))
+    middle, width = (box.high + box.low) / 2, box.high - box.low
+    moved = np.repeat(at[None], len(columns), axis=0)
     for index, column in enumerate(columns):
-        moved = at.copy()
-        middle, width = (box.high + box.low)[column] / 2, (box.high - box.low)[column]
-        moved[:, column] += np.where(at[:, column] > middle, -_STEP, _STEP) * width
-        slopes[:, :, index] = (box.residuals(moved) - residuals) / (moved - at)[:, [column]]
-    return slopes
+        moved[index, :, column] += np.where(at[:, column] > middle[column], -_STEP, _STEP) * width[column]
+    after = box.residuals(moved.reshape(-1, at.shape[1])).reshape(len(columns), *residuals.shape)
+    steps = np.stack([moved[index, :, column] - at[:, column] for index, column in enumerate(columns)])
+    return np.moveaxis((after - residuals) / steps[..., None], 0, 2)
 
 
 def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array]:

@@ -70,14 +70,15 @@ def search(misfit: Misfit, log_ratio: Array, ceiling: Array | float = np.inf) ->
     return descend(misfit, log_ratio, start, ceiling)
 
 
-def best_of(traces: Sequence[Trace]) -> Trace:
-    """Keep, at every ratio, the best of several searches over the same ratios."""
-    winner = np.argmin([trace.chi_square for trace in traces], axis=0)
-    rows = np.arange(len(winner))
+def search_from_each(misfit: Misfit, log_ratio: Array, starts: Sequence[Array]) -> Trace:
+    """Descend from several starts (G, 2) at each of G ratios, all side by side, and keep the best ends."""
+    found = descend(misfit, np.tile(log_ratio, len(starts)), np.concatenate(starts))
+    heights = found.chi_square.reshape(len(starts), len(log_ratio))
+    winner = np.argmin(heights, axis=0) * len(log_ratio) + np.arange(len(log_ratio))
     return Trace(
-        log_ratio=traces[0].log_ratio,
-        restitutions=np.stack([trace.restitutions for trace in traces])[winner, rows],
-        chi_square=np.stack([trace.chi_square for trace in traces])[winner, rows],
+        log_ratio=log_ratio,
+        restitutions=found.restitutions[winner],
+        chi_square=found.chi_square[winner],
     )
 
 
@@ -139,13 +140,10 @@ def over_the_edge(misfit: Misfit, log_ratio: Array, start: Array) -> Array:
 
 def jacobian(misfit: Misfit, log_ratio: Array, restitutions: Array, residuals: Array) -> Array:
     """Differentiate the residuals (N, R) by the restitutions; (N, R, 2), by differences towards 0.5."""
-    columns = []
-    for column in range(2):
-        moved = restitutions.copy()
-        moved[:, column] += np.where(restitutions[:, column] > 0.5, -1e-5, 1e-5)
-        change = misfit.residuals(log_ratio, moved) - residuals
-        columns.append(change / (moved - restitutions)[:, [column]])
-    return np.stack(columns, axis=2)
+    moved = restitutions[None] + np.where(restitutions > 0.5, -1e-5, 1e-5) * np.eye(2)[:, None]
+    after = misfit.residuals(np.tile(log_ratio, 2), moved.reshape(-1, 2)).reshape(2, *residuals.shape)
+    steps = np.stack([(moved - restitutions)[column, :, column] for column in range(2)])
+    return np.moveaxis((after - residuals) / steps[..., None], 0, 2)
 
 
 def _step(slopes: Array, residuals: Array, damping: Array) -> tuple[Array, Array]:

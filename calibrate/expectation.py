@@ -93,10 +93,8 @@ def linear_profile(
     drops : (Repeats or None, Repeats or None)
         Ball-ball and ball-table restitution from their own drops.
     """
-    whiten = np.linalg.inv(np.linalg.cholesky(rebounds.spread))
-    weight = np.sqrt(rebounds.weights)[:, None]
-    off = weight * np.einsum("ij,gpj->gpi", whiten, view.rebounds[:, used] - rebounds.means)
-    slopes = weight[..., None] * np.einsum("ij,gpjk->gpik", whiten, view.slopes[:, used])
+    off = rebounds.whitened(view.rebounds[:, used] - rebounds.means)
+    slopes = np.moveaxis(rebounds.whitened(np.moveaxis(view.slopes[:, used], 3, 0)), 0, 3)
     known = [0.0 if each is None else 1 / each.mean_sd() ** 2 for each in drops]
     apart = [
         0.0 if each is None else at - float(each.means[0, 0])
@@ -118,14 +116,19 @@ def linear_profile(
 
 
 def _rebounds(means: Array, setup: Setup, counts: Sequence[int]) -> Repeats:
-    """Repeats as these trials would show them, with the scatter of all mass pairs pooled."""
+    """Repeats as these trials would show them."""
     weights = np.array(counts, dtype=float)
-    variances = np.array([setup.rebound_scatter(pair) for pair in means]) ** 2
-    spread = np.average(variances, axis=0, weights=weights)
+    scatter = np.array([setup.rebound_scatter(pair) for pair in means])
     freedom = float(weights.sum() - len(weights))
     if freedom < means.shape[1]:
-        spread, freedom = spread + (ASSUMED_SCATTER * np.abs(means).mean(axis=0)) ** 2, np.inf
-    return Repeats(means=means, weights=weights, spread=np.diag(spread), degrees_of_freedom=freedom)
+        scatter, freedom = np.hypot(scatter, ASSUMED_SCATTER * means), np.inf
+    return Repeats(
+        means=means,
+        weights=weights,
+        spread=np.eye(means.shape[1]),
+        degrees_of_freedom=freedom,
+        scale=scatter,
+    )
 
 
 def _drops(restitution: float, setup: Setup, count: int) -> Repeats | None:

@@ -10,6 +10,8 @@ from impact import Ball, Contact, ConvergenceError, ManyDrops, TwoBallDrop, coll
 LINEAR, HERTZ = 1.0, 1.5
 """Exponents of the force law: the paper's linear spring and Hertz' contact of two spheres."""
 
+_WORTH_THREADS = 200  # collisions: to start a thread takes as long as fifty
+
 
 def rebound_ratios(
     stiffness_ratio: ArrayLike,
@@ -65,6 +67,7 @@ def _outcomes(
             ball_ball_restitution=ball_ball,
             ball_table_restitution=ball_table,
             upper_mass=np.asarray(mass_ratio, dtype=float),
+            threads=None if len(ball_ball) >= _WORTH_THREADS else 1,
         )
     except ConvergenceError as error:  # endless collapse (Theorem 3): what is left to happen is negligible
         partial: ManyDrops = error.partial

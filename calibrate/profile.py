@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibrate.basins import Basin, refined_basins
-from calibrate.descent import Trace, best_of, descend, jacobian, over_the_edge, search
+from calibrate.descent import Trace, descend, jacobian, over_the_edge, search, search_from_each
 from calibrate.intervals import Interval, joined
 from calibrate.limits import limit
 from calibrate.misfit import Misfit
@@ -193,11 +193,11 @@ def _finer(misfit: Misfit, trace: Trace, gaps: NDArray[np.bool_]) -> Trace:
     if not left.size:
         return trace
     middle = (trace.log_ratio[left] + trace.log_ratio[left + 1]) / 2
-    neighbours = [descend(misfit, middle, trace.restitutions[side]) for side in (left, left + 1)]
-    found = best_of(neighbours)
-    if len(misfit.likely_restitutions()) == 1:
-        found = best_of([found, search(misfit, middle, found.chi_square)])
-    return trace.merged(found)
+    starts = [trace.restitutions[left], trace.restitutions[left + 1]]
+    likely = misfit.likely_restitutions()
+    if len(likely) == 1:
+        starts.append(np.repeat(likely, len(left), axis=0))
+    return trace.merged(search_from_each(misfit, middle, starts))
 
 
 def _with_edges(misfit: Misfit, trace: Trace, level: float) -> Trace:

@@ -2,8 +2,10 @@
 
 By Theorem 4 neither a restitution nor the two velocity ratios of a mass pair depend on the drop height.
 Trials at any heights are therefore repeats of one measurement, and their spread around their own mean tells
-without any model how much trials really scatter. Few repeats know their spread badly; `Repeats.distances`
-allows for that exactly (Wilks' lambda with Rao's F, of which Student's t is the simplest case).
+without any model how much trials really scatter. What hands do differently from trial to trial moves a fast
+ball more than a slow one: so the spread that groups have in common is relative to their `scale`. Few repeats
+know their spread badly; `Repeats.distances` allows for that exactly (Wilks' lambda with Rao's F, of which
+Student's t is the simplest case).
 """
 
 from dataclasses import dataclass, field, replace
@@ -20,9 +22,9 @@ Array = NDArray[np.float64]
 ASSUMED_SCATTER = 0.02
 """Relative scatter of a trial where too few repeats show it; two heights read by eye give about that."""
 FINEST_SCATTER = 0.001
-"""No speed ratio is believed to repeat better than this, however well a few trials happen to agree."""
+"""Relative; no speed ratio is believed to repeat better, however well a few trials happen to agree."""
 
-
+_SLOWEST = 0.05  # speed ratio below which scatter falls no further: cameras see slow balls no better
 _HIGHEST_CORRELATION = (
     0.999  # of two numbers; two different trials, each seen twice, would show a perfect one
 )
@@ -30,7 +32,7 @@ _HIGHEST_CORRELATION = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Repeats:
-    """Means of J groups of repeated measurements of p numbers, with a spread common to all groups.
+    """Means of J groups of repeated measurements of p numbers, with a relative spread common to all groups.
 
     Attributes
     ----------
@@ -39,7 +41,7 @@ class Repeats:
     weights : ndarray (J,)
         Number of trials in each group, less where some are worth less than the average trial.
     spread : ndarray (p, p)
-        Covariance of one average trial.
+        Covariance of one average trial, its numbers taken relative to the scale of its group.
     degrees_of_freedom : float
         How many repeats the spread rests on; infinite if it is known or assumed.
     deviations : ndarray (N,)
@@ -47,7 +49,9 @@ class Repeats:
     too_alike : bool
         Whether they agreed better than they state (or than `FINEST_SCATTER`), so that the spread was raised.
     shared : ndarray (K, J, p)
-        What one standard deviation of each error common to all trials does to the means.
+        What one standard deviation of each of the K errors common to all trials does to the means.
+    scale : ndarray (J, p)
+        What the scatter of each number of each group is proportional to.
     """
 
     means: Array
@@ -57,6 +61,7 @@ class Repeats:
     deviations: Array = field(default_factory=lambda: np.empty(0))
     too_alike: bool = False
     shared: Array = field(default_factory=lambda: np.empty((0, 1, 1)))
+    scale: Array = field(default_factory=lambda: np.ones((1, 1)))
 
     def distances(self, predicted: ArrayLike) -> Array:
         """Whiten the distance from predictions to the means.
@@ -72,10 +77,10 @@ class Repeats:
             Numbers whose sum of squares follows, for the true model, the chi-square law of J p degrees of
             freedom exactly, however few the repeats (homogeneous normal scatter assumed).
         """
-        white = self._whitened(np.asarray(predicted, dtype=float) - self.means)
+        white = self.whitened(np.asarray(predicted, dtype=float) - self.means)
         flat = white.reshape(*white.shape[:-2], self.means.size)
         if self.shared.size:
-            common = self._whitened(self.shared)
+            common = self.whitened(self.shared)
             flat = softened(flat, common.reshape(len(common), self.means.size))
             white = flat.reshape(white.shape)
         if not np.isfinite(self.degrees_of_freedom):
@@ -83,6 +88,17 @@ class Repeats:
         plain = np.sum(flat**2, axis=-1)
         scale = np.sqrt(self._equivalent_chi_square(white) / np.maximum(plain, 1e-300))
         return np.asarray(flat * scale[..., None])
+
+    def whitened(self, off: Array) -> Array:
+        """Turn differences from the means (..., J, p) into independent ones of standard deviation one."""
+        root = np.linalg.cholesky(self.spread)
+        white = np.linalg.solve(root, (off / self.scale)[..., None])[..., 0]
+        return np.asarray(np.sqrt(self.weights)[:, None] * white)
+
+    def covariance(self, group: int = 0) -> Array:
+        """Covariance (p, p) of one average trial of a group."""
+        scale = np.broadcast_to(self.scale, self.means.shape)[group]
+        return np.asarray(self.spread * np.outer(scale, scale))
 
     def mean_sd(self, group: int = 0, channel: int = 0) -> float:
         """Estimate the standard deviation of one mean; few repeats know it badly."""
@@ -103,12 +119,8 @@ class Repeats:
             return distance**2
         return float(self._chi_square_of(np.array(np.log1p(distance**2 / self.degrees_of_freedom))))
 
-    def _whitened(self, off: Array) -> Array:
-        root = np.linalg.cholesky(self.spread)
-        return np.asarray(np.sqrt(self.weights)[:, None] * np.linalg.solve(root, off[..., None])[..., 0])
-
     def _scatter(self, group: int = 0, channel: int = 0) -> float:
-        return float(np.sqrt(self.spread[channel, channel] / self.weights[group]))
+        return float(np.sqrt(self.covariance(group)[channel, channel] / self.weights[group]))
 
     def _common(self, group: int = 0, channel: int = 0) -> float:
         return float(np.linalg.norm(self.shared[:, group, channel])) if self.shared.size else 0.0
@@ -165,12 +177,14 @@ def repeats_of(
     """
     count, channels = values.shape
     freedom = count - len(np.unique(groups))
-    stated = _complete(stated)
     weights = np.ones(count)
+    scale = np.hypot(_group_means(values, weights, groups), _SLOWEST)
+    values, stated = values / scale[groups], _complete(stated, scale[groups])
+    shared = None if shared is None else shared / scale[groups][:, None]
     if freedom < channels:
         spread = stated.mean(axis=0) + np.diag((ASSUMED_SCATTER * np.abs(values).mean(axis=0)) ** 2)
         spread = _at_least(spread, np.full(channels, FINEST_SCATTER**2))
-        return _condensed((values, shared), weights, groups, spread, np.inf)
+        return _in_scale(_condensed((values, shared), weights, groups, spread, np.inf), scale)
     rough = _pooled(values, weights, groups, freedom)
     beyond = np.maximum(np.diagonal(rough) - np.diagonal(stated.mean(axis=0)), 0.0)
     variances = beyond + np.diagonal(stated, axis1=1, axis2=2) + FINEST_SCATTER**2
@@ -180,7 +194,18 @@ def repeats_of(
     )
     pooled = _pooled(values, weights, groups, freedom)
     condensed = _condensed((values, shared), weights, groups, _at_least(pooled, floor), float(freedom))
-    return replace(condensed, too_alike=bool((np.diagonal(pooled) < floor).any()))
+    alike = bool((np.diagonal(pooled) < floor).any())
+    return replace(_in_scale(condensed, scale), too_alike=alike)
+
+
+def _in_scale(repeats: Repeats, scale: Array) -> Repeats:
+    """Undo that values were taken relative to the scale of their group."""
+    return replace(
+        repeats,
+        means=repeats.means * scale,
+        shared=repeats.shared * scale if repeats.shared.size else repeats.shared,
+        scale=scale,
+    )
 
 
 def _condensed(
@@ -195,6 +220,7 @@ def _condensed(
     means = _group_means(values, weights, groups)
     off = np.linalg.solve(np.linalg.cholesky(spread), (values - means[groups]).T)
     share = np.bincount(groups)[groups]
+    common = np.array([_group_means(effect, weights, groups) for effect in np.moveaxis(effects, 1, 0)])
     deviations = np.sqrt(np.sum(off**2, axis=0) * weights * share / np.maximum(share - 1, 1))
     return Repeats(
         means=means,
@@ -202,7 +228,7 @@ def _condensed(
         spread=spread,
         degrees_of_freedom=freedom,
         deviations=deviations,
-        shared=np.array([_group_means(effect, weights, groups) for effect in np.moveaxis(effects, 1, 0)]),
+        shared=common[common.any(axis=(1, 2))] if common.size else common,
     )
 
 
@@ -217,8 +243,9 @@ def _pooled(values: Array, weights: Array, groups: NDArray[np.int64], freedom: i
     return np.asarray((off * weights[:, None]).T @ off / freedom)
 
 
-def _complete(stated: Array) -> Array:
-    """Trials that state no uncertainty are taken to be as good as the others on average."""
+def _complete(stated: Array, scale: Array) -> Array:
+    """Take covariances relative to a scale; trials that state none are as good as the others on average."""
+    stated = stated / (scale[:, :, None] * scale[:, None, :])
     silent = np.asarray(np.isnan(stated).any(axis=(1, 2)))
     average = stated[~silent].mean(axis=0) if not silent.all() else np.zeros(stated.shape[1:])
     return np.where(silent[:, None, None], average, stated)

@@ -20,9 +20,11 @@ def shared_effects(rows: pd.DataFrame, velocity: str) -> Array:
 
     Zero where the table does not tell.
     """
-    columns = [f"{velocity}_{source}" for source in SOURCES]
-    known = rows.reindex(columns=columns).apply(pd.to_numeric, errors="coerce")
-    return np.asarray(np.nan_to_num(known.to_numpy(dtype=float)))
+    effects = np.zeros((len(rows), len(SOURCES)))
+    for index, source in enumerate(SOURCES):
+        if (column := f"{velocity}_{source}") in rows:
+            effects[:, index] = pd.to_numeric(rows[column], errors="coerce")
+    return np.asarray(np.nan_to_num(effects))
 
 
 def own_variance(rows: pd.DataFrame, velocity: str) -> Array:

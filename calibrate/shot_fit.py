@@ -1,7 +1,7 @@
 """Fit the contacts of cue shots: tip and cloth, restitution, friction and stiffness ratio."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from scipy.stats import qmc
 
 from calibrate.box import Box, descend, profile
 from calibrate.estimate import Estimate
+from calibrate.evolution import evolve
 from calibrate.files import write_whole
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, verdict
 from calibrate.shots import Shots, observed_shots
@@ -33,8 +34,8 @@ _NAMES = tuple(PARAMETERS)
 _RATIO = _NAMES.index("stiffness_ratio")
 _CLOTH = _NAMES.index("ball_table_friction")
 _SAMPLES = 256
-_STARTS = 16
-_ROUGHEST, _FINER = 0.2, (0.06, 0.02)  # added errors, relative to speed, that smooth the landscape
+_POPULATION = 64
+_ROUGH = 0.1  # error, relative to speed, for a first look at the landscape
 _WIDEST = {"stiffness_ratio": float(np.log(4.0)), "tip_ball_friction": 0.5, "ball_table_friction": 0.3}
 _WIDEST_RESTITUTION = 0.5
 _BAD_FIT = 0.01
@@ -112,21 +113,19 @@ def fit_shot(
     sample = low + (high - low) * qmc.Sobol(len(_NAMES), seed=0).random(_SAMPLES)
     for name, value in fixed.items():
         sample[:, _NAMES.index(name)] = _scaled(name, (value, value))[0]
-    seen = shots.predicted(sample)
-    box = Box(low=low, high=high, free=tuple(free), residuals=_residuals(shots, _rough(shots, _ROUGHEST)))
-    starts = _promising(box, sample, seen, _STARTS)
-    for roughness in _FINER:  # from a smoothed landscape, with few valleys, to the true one
-        starts = _lowest(box, starts)
-        box = replace(box, residuals=_residuals(shots, _rough(shots, roughness)))
+    box = Box(low=low, high=high, free=tuple(free), residuals=_residuals(shots, _rough(shots)))
+    scouts = sample[np.argsort(box.chi_square(sample), kind="stable")[:_POPULATION]]
+    box = replace(box, residuals=_residuals(shots, shots.covariance(scouts[0])))
+    found = evolve(box, scouts)
     for _ in range(2):  # the aim's share of the covariance is taken at the best fit so far
-        starts = _lowest(box, starts)
-        box = replace(box, residuals=_residuals(shots, shots.covariance(starts[0])))
-    best = _lowest(box, starts)[0]
+        box = replace(box, residuals=_residuals(shots, shots.covariance(found[0])))
+        found = _lowest(box, found)
+    best = found[0]
     smallest = float(box.chi_square(best[None])[0])
     measured = int(np.isfinite(shots.measured).sum()) + (shots.cloth is not None)
     freedom = measured - len(free)
     estimates = {
-        _NAMES[column]: _estimate(box, column, best, _promising(box, sample, seen, _SAMPLES // 4), freedom)
+        _NAMES[column]: _estimate(box, column, best, np.concatenate([found, scouts]), freedom)
         for column in free
     }
     return ShotCalibration(
@@ -155,44 +154,27 @@ def _scaled(name: str, pair: Interval) -> Interval:
     return (float(np.log(pair[0])), float(np.log(pair[1]))) if name == "stiffness_ratio" else pair
 
 
-def _rough(shots: Shots, roughness: float) -> Array:
-    """Covariance with a share of the speed added, as spin of the ball's surface."""
+def _rough(shots: Shots) -> Array:
+    """Covariance of measurements that are rough, for spins as of the ball's surface."""
     speed = np.hypot(shots.measured[:, 0], shots.measured[:, 1])[:, None]
-    added = roughness * speed / np.array([1.0, 1.0, shots.ball.radius, shots.ball.radius])
+    added = _ROUGH * speed / np.array([1.0, 1.0, shots.ball.radius, shots.ball.radius])
     variance = np.where(np.isnan(shots.measured), 1e12, shots.measured_sd**2 + added**2)
     return np.asarray(variance[:, :, None] * np.eye(4))
 
 
-def _residuals(shots: Shots, covariance: Array) -> "_Residuals":
-    return _Residuals(shots=shots, whiten=np.linalg.inv(np.linalg.cholesky(covariance)))
+def _residuals(shots: Shots, covariance: Array) -> Callable[[Array], Array]:
+    """Standardized residuals (N, R) of all shots, and of the cloth's friction, at parameters (N, 5)."""
+    whiten = np.linalg.inv(np.linalg.cholesky(covariance))
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Residuals:
-    """Standardized residuals of all shots, and of the cloth's friction, as a function of the parameters."""
-
-    shots: Shots
-    whiten: Array
-
-    def __call__(self, parameters: Array) -> Array:
-        """Give residuals (N, R) at parameters (N, 5)."""
-        return self.of(parameters, self.shots.predicted(parameters))
-
-    def of(self, parameters: Array, predicted: Array) -> Array:
-        """Give the residuals where the prediction (N, S, 4) is known already."""
-        off = np.nan_to_num(predicted - self.shots.measured)
-        rows: Array = np.einsum("sij,nsj->nsi", self.whiten, off).reshape(len(parameters), -1)
-        if self.shots.cloth is None:
+    def residuals(parameters: Array) -> Array:
+        off = np.nan_to_num(shots.predicted(parameters) - shots.measured)
+        rows: Array = np.einsum("sij,nsj->nsi", whiten, off).reshape(len(parameters), -1)
+        if shots.cloth is None:
             return rows
-        mean, sd = self.shots.cloth
+        mean, sd = shots.cloth
         return np.concatenate([rows, (parameters[:, [_CLOTH]] - mean) / sd], axis=1)
 
-
-def _promising(box: Box, sample: Array, seen: Array, number: int) -> Array:
-    """Pick the places of a sample that fit best, from what the model predicted there."""
-    residuals: _Residuals = box.residuals  # type: ignore[assignment]
-    chi_square = np.sum(residuals.of(sample, seen) ** 2, axis=1)
-    return np.asarray(sample[np.argsort(chi_square, kind="stable")[:number]])
+    return residuals
 
 
 def _lowest(box: Box, starts: Array) -> Array:
