@@ -11,7 +11,7 @@ from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
-MINIMUM_DIFFERENCE = 8.0  # grey levels
+MINIMUM_DIFFERENCE = 10.0  # grey levels
 MINIMUM_DIAMETER_PX = 5
 CUT_SHARE = 0.9  # a cut that leaves more than this of a patch tells nothing new
 CLOSING = np.ones((5, 5), dtype=np.uint8)

@@ -15,6 +15,7 @@ from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged,
 MOST_BYTES = 200_000_000
 COARSE = 4  # pixels from one that is looked at to the next
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
+COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
@@ -165,7 +166,8 @@ def coarse_difference(coarse: Planes, reference: Planes, gain: float) -> Image:
     """How much coarse looks differ, the reference made `gain` times as bright, grey levels."""
     apart = cv2.absdiff(coarse[0], brightened(reference[0], gain))
     colour = cv2.max(cv2.absdiff(coarse[1], reference[1]), cv2.absdiff(coarse[2], reference[2]))
-    large = enlarged(np.asarray(colour, dtype=np.uint8), apart.shape, cv2.INTER_NEAREST)
+    weak = np.asarray(cv2.convertScaleAbs(colour, alpha=COLOUR_SHARE), dtype=np.uint8)
+    large = enlarged(weak, apart.shape, cv2.INTER_NEAREST)
     return np.asarray(cv2.max(apart, large), dtype=np.uint8)
 
 

@@ -11,7 +11,7 @@ from tracking.recording import Recording
 from tracking.sight import cut_out
 from tracking.video import revisit
 
-RADIUS_FRAMES = 15  # pictures on which the radius is measured
+RADIUS_FRAMES = 9  # pictures on which the radius is measured
 STARTING_SIZES = (
     1.0,
     1.2,

@@ -17,7 +17,7 @@ from tracking import stamps
 from tracking.decode import Picture, opened
 from tracking.errors import RecordingError
 from tracking.kept import Keeper, relive
-from tracking.planes import Planes, copied
+from tracking.planes import Planes
 from tracking.recording import Frame, Recording, View, held_still, moved_back
 
 __all__ = ["Frame", "Recording", "open_recording", "read_frames", "revisit"]
@@ -170,7 +170,7 @@ class _Spread:
         """Give at most `MOST_LOOKS` of them."""
         numbers = list(self.pictures)
         chosen = np.linspace(0, len(numbers) - 1, min(MOST_LOOKS, len(numbers))).astype(int)
-        return {numbers[k]: copied(self.pictures[numbers[k]].planes()) for k in chosen}
+        return {numbers[k]: self.pictures[numbers[k]].planes() for k in chosen}
 
 
 def _scan(path: Path) -> _Scan:
