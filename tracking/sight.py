@@ -18,8 +18,9 @@ BATCH = 256  # frames at a time
 NARROW = 0.05  # radii around a circle found before, beside the margin
 WIDE = 0.15  # ... around a first guess
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
-MOVED_PX = 1.0  # a ball that is this far from where it was expected is looked for there in the next frame
-LONGEST_STRIDE = 32  # frames in which a ball is expected where it was, until it turns out to have moved
+MOVING_PX = 0.3  # a frame: what moves less rests
+SURPRISE_PX = 1.5  # a ball this far from where it was expected is expected anew
+LONGEST_STRIDE = 32  # frames looked through at once
 MEMORY = 25  # sightings of which the median radius is expected next
 
 
@@ -93,19 +94,32 @@ def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius
 
 
 def _advance(seen: list[Sighting], waiting: list[Cutting], guess: Guess, stride: int) -> tuple[Guess, int]:
-    """See the ball in some of the frames that wait, up to the first in which it is not where it was."""
+    """See the ball in some of the frames that wait, up to the first in which it is not where expected."""
     batch = waiting[:stride]
-    found = _sight(batch, [guess] * len(batch), np.zeros(len(batch)))
-    for count, sighting in enumerate(found, start=1):
+    places = [_expected(seen, guess, cutting.frame) for cutting in batch]
+    found = _sight(batch, places, np.zeros(len(batch)))
+    for count, (place, sighting) in enumerate(zip(places, found, strict=True), start=1):
         if sighting is None:
             continue
         seen.append(sighting)
-        x, y = sighting.circle.x, sighting.circle.y
-        if np.hypot(x - guess[0], y - guess[1]) > MOVED_PX:
+        guess = (sighting.circle.x, sighting.circle.y, _expected_radius(seen))
+        if np.hypot(guess[0] - place[0], guess[1] - place[1]) > SURPRISE_PX:
             del waiting[:count]
-            return (x, y, _expected_radius(seen)), 1
+            return guess, 1
     del waiting[:stride]
-    return (*guess[:2], _expected_radius(seen) if seen else guess[2]), min(2 * stride, LONGEST_STRIDE)
+    return guess, min(2 * stride, LONGEST_STRIDE)
+
+
+def _expected(seen: Sequence[Sighting], guess: Guess, frame: int) -> Guess:
+    """Expect a ball that moves to go on as it did from the frame before the last."""
+    if len(seen) < 2 or seen[-1].frame - seen[-2].frame > 1:
+        return guess
+    before, last = seen[-2].circle, seen[-1].circle
+    step = np.array([last.x - before.x, last.y - before.y])
+    if np.hypot(*step) < MOVING_PX:
+        return guess
+    x, y = (last.x, last.y) + step * (frame - seen[-1].frame)
+    return float(x), float(y), guess[2]
 
 
 def _expected_radius(seen: Sequence[Sighting]) -> float:
