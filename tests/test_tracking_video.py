@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from clips import Clip
 
+from tracking.cadence import find_genuine
 from tracking.encode import write_video
 from tracking.errors import RecordingError
-from tracking.stamps import fill_stamps, find_genuine
+from tracking.stamps import fill_stamps, time_factor
 from tracking.video import open_recording, read_frames
 
 Picture = np.ndarray
@@ -92,9 +93,54 @@ def test_rate_of_a_film_stored_twice_is_that_of_its_genuine_frames(plate_clip: C
 
 
 def test_pictures_that_never_change_are_no_repeats() -> None:
-    genuine, notes = find_genuine(np.array([np.inf, *np.zeros(50)]))
+    genuine, rhythm = find_genuine(np.array([np.inf, *np.zeros(50)]))
     assert genuine.all()
-    assert notes == []
+    assert rhythm is None
+
+
+@pytest.mark.parametrize(("captured", "stored"), [(25, 30), (24, 60), (20, 30), (24, 30)])
+def test_even_pictures_behind_an_uneven_cadence_get_even_times(
+    plate_clip: Clip, tmp_path: Path, captured: int, stored: int
+) -> None:
+    genuine = pictures(plate_clip)[30:80]
+    shown = [genuine[k * captured // stored] for k in range(50 * stored // captured)]
+    write_video(tmp_path / "pulled.mp4", shown, stored)
+    recording = open_recording(tmp_path / "pulled.mp4")
+    assert recording.genuine.sum() == pytest.approx(50, abs=1)
+    steps = np.diff(recording.times[recording.genuine])
+    assert steps == pytest.approx(np.full(len(steps), 1 / captured), rel=0.01)
+    assert "store the picture before them again" in recording.notes[0]
+
+
+def test_irregular_repeats_are_left_out_and_the_doubt_told(plate_clip: Clip, tmp_path: Path) -> None:
+    rng = np.random.default_rng(7)
+    shown = [picture for picture in pictures(plate_clip)[30:80] for _ in range(rng.integers(1, 4))]
+    write_video(tmp_path / "screen.mp4", shown, 120)
+    recording = open_recording(tmp_path / "screen.mp4")
+    assert recording.genuine.sum() == 50
+    assert "a picture's time may be wrong by 8.33 ms" in recording.notes[0]
+
+
+def test_slow_motion_of_a_part_is_refused_for_one_rate_cannot_be_true() -> None:
+    times = np.cumsum([1 / 30] * 40 + [1 / 4] * 40 + [1 / 30] * 40)
+    with pytest.raises(RecordingError, match=r"ramp\.mp4: captured at 240 .* 33\.3 to 250 ms apart"):
+        time_factor(times, 240.0, None, "ramp.mp4")
+    assert time_factor(times, None, None, "ramp.mp4") == (1.0, [])
+
+
+def test_frames_that_a_camera_dropped_are_counted(plate_clip: Clip, tmp_path: Path) -> None:
+    with av.open(str(tmp_path / "gaps.mkv"), "w") as container:
+        stream = container.add_stream("libx264", rate=240)
+        stream.width, stream.height, stream.pix_fmt = *plate_clip.scene.size_px, "yuv420p"
+        for k, picture in enumerate(pictures(plate_clip)[:60]):
+            frame = av.VideoFrame.from_ndarray(picture, format="bgr24")
+            frame.pts, frame.time_base = k, Fraction(1, 240)
+            if k not in (20, 40, 41):
+                container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    assert open_recording(tmp_path / "gaps.mkv").notes == (
+        "3 frames are missing between the others; nothing was filled in",
+    )
 
 
 def test_missing_stamps_follow_the_regular_interval_at_both_ends() -> None:

@@ -1,4 +1,4 @@
-"""Time stamps of stored frames → times of capture, and which stored frames are pictures of their own."""
+"""Time stamps of stored frames → times of capture."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,17 +8,15 @@ import numpy.typing as npt
 from tracking.errors import RecordingError
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 CAPTURE_RATE_TAGS = ("com.android.capture.fps", "com.apple.quicktime.capture-fps", "capture_fps")
 FASTEST_CAMERA = 1e6  # frames/s
 CLOCK_SD = 1e-4  # of a rate that time stamps tell: a camera's crystal, not trimmed
 NOMINAL_RATE_SD = 2e-3  # of a rate that a person or a tag tells: "240" may be 239.76, or 240.5
 RATE_TOLERANCE = 0.02  # a tag this close to the file's own rate says nothing new
-REPEAT_LEVEL = 4.0  # grey levels: two encodings of one picture differ by less
-REPEAT_SHARE = 0.2  # ... and by less than this share of what a genuine neighbour differs by
-MOVING_LEVEL = 6.0  # grey levels: where nothing changes by more, nobody can tell
-REPEATS_TO_BELIEVE = 0.1  # at the top of a bounce two pictures may look alike by chance
+RAMP = 1.2  # intervals that grow by more than this within a recording: a part of it is slow motion
+RAMP_FRAMES = 9  # over which intervals are compared: single stamps are late or early
+DROPPED = 1.6  # intervals: a longer pause means that a frame is missing
 
 
 def fill_stamps(stamps: Sequence[float | None], name: str) -> tuple[FloatArray, list[str]]:
@@ -75,7 +73,9 @@ def tagged_fps(tags: Mapping[str, str]) -> float | None:
     return None
 
 
-def time_factor(times: FloatArray, tagged: float | None, given: float | None) -> tuple[float, list[str]]:
+def time_factor(
+    times: FloatArray, tagged: float | None, given: float | None, name: str
+) -> tuple[float, list[str]]:
     """Seconds of capture per second of the file, and what to say about it.
 
     Parameters
@@ -84,10 +84,17 @@ def time_factor(times: FloatArray, tagged: float | None, given: float | None) ->
         Time stamps of the genuine frames, s.
     tagged, given : float or None
         Frames captured a second as a tag in the file and as the person tells it; the person is believed.
+    name : str
+        What the recording is called.
+
+    Raises
+    ------
+    RecordingError
+        If only a part of the recording is slow motion: one rate of capture cannot be true of all of it.
 
     Examples
     --------
-    >>> time_factor(np.arange(5) / 30, 240.0, None)
+    >>> time_factor(np.arange(5) / 30, 240.0, None, "drop.mp4")
     (0.125, ['captured at 240 frames/s (a tag in the file) but stored at 30'])
     """
     file_fps = float(1 / np.median(np.diff(times)))
@@ -95,26 +102,37 @@ def time_factor(times: FloatArray, tagged: float | None, given: float | None) ->
     if fps is None or abs(fps / file_fps - 1) < RATE_TOLERANCE:
         return 1.0, []
     source = "--capture-fps" if given is not None else "a tag in the file"
+    shortest, longest = _usual_intervals(times)
+    if longest > RAMP * shortest:
+        raise RecordingError(
+            f"{name}: captured at {fps:g} frames/s ({source}), but its frames are stored "
+            f"{1e3 * shortest:.3g} to {1e3 * longest:.3g} ms apart: a part of it is slow motion; export it at "
+            "one rate throughout"
+        )
     return file_fps / fps, [f"captured at {fps:g} frames/s ({source}) but stored at {file_fps:.4g}"]
 
 
-def find_genuine(changes: FloatArray) -> tuple[BoolArray, list[str]]:
-    """Tell pictures from repeats: a repeat changes nothing while its neighbours change a lot.
+def _usual_intervals(times: FloatArray) -> tuple[float, float]:
+    """Shortest and longest interval, s, of medians over `RAMP_FRAMES`."""
+    intervals = np.diff(times)
+    width = min(RAMP_FRAMES, len(intervals))
+    medians = np.median(np.lib.stride_tricks.sliding_window_view(intervals, width), axis=1)
+    return float(medians.min()), float(medians.max())
 
-    Parameters
-    ----------
-    changes : (n,) array
-        How much each stored frame differs from the one before it, grey levels; the first is infinite.
 
-    Returns
-    -------
-    (n,) array of bool, list of str
-        False where a frame stores its predecessor's picture again; what to say about it.
+def missing_frames(times: FloatArray) -> list[str]:
+    """Say that frames are missing where single intervals are longer than the others.
+
+    Examples
+    --------
+    >>> missing_frames(np.array([0, 1, 2, 3, 5, 6, 7]) / 30)
+    ['1 frame is missing between the others; nothing was filled in']
     """
-    padded = np.pad(np.where(np.isfinite(changes), changes, 0.0), 3)
-    around = np.lib.stride_tricks.sliding_window_view(padded, 7).max(axis=1)
-    repeats = (changes < REPEAT_LEVEL) & (changes < REPEAT_SHARE * around) & (around > MOVING_LEVEL)
-    count, total = int(repeats.sum()), len(changes)
-    if count < max(3, REPEATS_TO_BELIEVE * total):
-        return np.ones(total, dtype=bool), []
-    return ~repeats, [f"{count} of {total} frames store the picture before them again; they were left out"]
+    intervals = np.diff(times)
+    usual = float(np.median(intervals))
+    pauses = intervals[intervals > DROPPED * usual]
+    count = int(np.sum(np.round(pauses / usual) - 1))
+    if not count or len(pauses) > max(1, 0.1 * len(intervals)):
+        return []
+    verb = "frame is" if count == 1 else "frames are"
+    return [f"{count} {verb} missing between the others; nothing was filled in"]

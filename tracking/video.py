@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking import stamps
+from tracking.cadence import even_times, find_genuine
 from tracking.decode import Picture, opened
 from tracking.errors import RecordingError
 from tracking.kept import Keeper, relive
@@ -67,8 +68,11 @@ def open_recording(path: Path | str, *, capture_fps: float | None = None) -> Rec
             "whole drop, or copy the file again from the camera"
         )
     times, stamp_notes = stamps.fill_stamps(scan.stamps, path.name)
-    genuine, repeat_notes = stamps.find_genuine(np.asarray(scan.keeper.changes))
-    factor, rate_notes = stamps.time_factor(times[genuine], scan.tagged_fps, capture_fps)
+    genuine, rhythm = find_genuine(np.asarray(scan.keeper.changes))
+    times, repeat_notes = even_times(times, genuine, rhythm)
+    factor, rate_notes = stamps.time_factor(times[genuine], scan.tagged_fps, capture_fps, path.name)
+    if not repeat_notes:
+        repeat_notes = stamps.missing_frames(times)
     return Recording(
         path=path,
         times=times * factor,
