@@ -33,9 +33,10 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     trial = measured.trial
     upper, lower = trial.body("upper"), trial.body("lower")
     expected = _expected_radius(given_scale(trial), upper, recording)
-    tracks = track_balls(recording, radius=expected, lower=_lower_ratio(trial))
+    lower_ratio, start_px = _lower_ratio(trial), trial.start_px
+    tracks = track_balls(recording, radius=expected, lower=lower_ratio, start_px=start_px)
     if expected and abs(tracks[0].radius / expected - 1) > SCALES_AGREE:  # the ruler is nearer or farther
-        tracks = track_balls(recording, lower=_lower_ratio(trial))
+        tracks = track_balls(recording, lower=lower_ratio, start_px=start_px)
     measured.overlay = only_seen(*map(outline_of, tracks))
     tracks[0], remarks = without_depth(tracks[0], recording)
     scale, more_remarks = chosen_scale(trial, tracks[0])

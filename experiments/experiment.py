@@ -2,8 +2,9 @@
 
 import os
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from glob import glob, has_magic
 from itertools import chain
 from pathlib import Path
@@ -23,14 +24,19 @@ class ExperimentError(ValueError):
 
 
 def collect_trials(
-    sources: Iterable[Path | str], *, kind: str | None, bodies: Mapping[str, Body], camera: Camera
+    sources: Iterable[Path | str],
+    *,
+    kind: str | None,
+    bodies: Mapping[str, Body],
+    camera: Camera,
+    start_px: tuple[float, float] | None = None,
 ) -> list[Trial]:
     """Gather the trials of experiment files, video files and folders, in the order given.
 
     Parameters
     ----------
     sources : paths of experiment.toml files, of videos, or of folders of either; patterns (``*.mp4``)
-    kind, bodies, camera :
+    kind, bodies, camera, start_px :
         What the command line says; it serves bare videos and overrides nothing in an experiment file.
 
     Returns
@@ -49,16 +55,17 @@ def collect_trials(
     Traceback (most recent call last):
     experiments.experiment.ExperimentError: two-06.mp4: no such file or folder; check the spelling
     """
+    bare = partial(_bare, kind=kind, bodies=bodies, camera=camera, start_px=start_px)
     trials: list[Trial] = []
     for source in chain.from_iterable(map(_matching, sources)):
         if os.path.isdir(source):
-            trials += _from_folder(source, kind, bodies, camera)
+            trials += _from_folder(source, bare)
         elif not os.path.exists(source):
             raise ExperimentError(f"{source}: no such file or folder; check the spelling")
         elif source.suffix.lower() == ".toml":
             trials += read_experiment(source)
         else:
-            trials.append(_bare(source, kind, bodies, camera))
+            trials.append(bare(source))
     if not trials:
         raise ExperimentError("nothing to process: name an experiment.toml, a video, or a folder of them")
     return _with_unique_names(trials)
@@ -160,7 +167,7 @@ def _only(table: Any, known: set[str], place: str) -> None:
         raise ExperimentError(f"{place}: unknown key {unknown[0]!r}; known are {', '.join(sorted(known))}")
 
 
-def _from_folder(folder: Path, kind: str | None, bodies: Mapping[str, Body], camera: Camera) -> list[Trial]:
+def _from_folder(folder: Path, bare: Callable[[Path], Trial]) -> list[Trial]:
     """Take a folder's experiment files, or its videos if there is none; hidden files are no recordings."""
     visible = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
     files = [path for path in visible if path.suffix.lower() == ".toml"]
@@ -169,10 +176,10 @@ def _from_folder(folder: Path, kind: str | None, bodies: Mapping[str, Body], cam
     videos = [path for path in visible if path.suffix.lower() in VIDEO_SUFFIXES]
     if not videos:
         raise ExperimentError(f"{folder}: holds no experiment.toml and no video")
-    return [_bare(video, kind, bodies, camera) for video in videos]
+    return [bare(video) for video in videos]
 
 
-def _bare(video: Path, kind: str | None, bodies: Mapping[str, Body], camera: Camera) -> Trial:
+def _bare(video: Path, *, kind: str | None, **told: Any) -> Trial:
     """Take a video with what the command line says of it."""
     if kind is None:
         raise ExperimentError(
@@ -181,7 +188,7 @@ def _bare(video: Path, kind: str | None, bodies: Mapping[str, Body], camera: Cam
             "pair (two discs or balls that meet)"
         )
     try:
-        return Trial(name=video.stem, video=video, kind=kind, bodies=bodies, camera=camera)
+        return Trial(name=video.stem, video=video, kind=kind, **told)
     except ValueError as error:
         raise ExperimentError(
             f"{video.name}: {error}; rename it or describe it in an experiment.toml"

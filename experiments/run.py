@@ -47,6 +47,10 @@ def process(
     capture_fps: Annotated[
         float | None, typer.Option(help="Frames captured a second, if the file does not tell.")
     ] = None,
+    start_px: Annotated[
+        tuple[float, float] | None,
+        typer.Option(help="Where the ball to measure is first seen, x and y in px, if several move."),
+    ] = None,
     readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
     overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
     workers: Workers = None,
@@ -71,6 +75,7 @@ def process(
         kind=kind,
         bodies=dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), ball),
         camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
+        start_px=start_px,
     )
     batch = Batch(
         out=out,

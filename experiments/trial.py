@@ -120,12 +120,12 @@ class Trial:
     camera : Camera
         How it was filmed.
     start_px : two floats or None
-        Where the cue ball of a shot rests (x, y in px), if several balls start to move.
+        Where the ball to be measured is first seen (x, y in px), if several move; not for a pair.
 
     Raises
     ------
     ValueError
-        If the kind is unknown, the name cannot be that of a file, or `start_px` is no point of a shot.
+        If the kind is unknown, the name cannot be that of a file, or `start_px` is no point.
     """
 
     name: str
@@ -147,8 +147,8 @@ class Trial:
         if self.start_px is not None:
             if not _is_point(self.start_px):
                 raise ValueError(f"start_px must be a point [x, y] in pixels, got {shown(self.start_px)}")
-            if self.kind != "shot":
-                raise ValueError(f"start_px is for trials of kind 'shot', got kind {self.kind!r}")
+            if self.kind == "pair":
+                raise ValueError("start_px is for trials that measure one ball, got kind 'pair'")
 
     def body(self, name: str) -> Body:
         """Give a body, unknown in everything if it was not told."""

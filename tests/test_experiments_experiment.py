@@ -108,7 +108,10 @@ def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
         (TRIAL.replace('"two"', '"three"'), "trial 1: kind must be one of plate, .*, got 'three'"),
         (TRIAL + TRIAL + "name = 5", "trial 2: name must be given as text, got 5"),
         (TRIAL + 'name = "../x"', "trial 1: name must be that of a file"),
-        (TRIAL + "start_px = [1, 2]", "trial 1: start_px is for trials of kind 'shot', got kind 'two'"),
+        (
+            TRIAL.replace('"two"', '"pair"') + "start_px = [1, 2]",
+            "trial 1: start_px is for trials that measure one ball, got kind 'pair'",
+        ),
         (SHOT + "start_px = 7", r"trial 1: start_px must be a point \[x, y\] in pixels, got 7"),
         (SHOT + "start_px = [nan, 0]", r"trial 1: start_px must be a point \[x, y\] in pixels"),
     ],

@@ -106,8 +106,8 @@ def time_factor(
     if longest > RAMP * shortest:
         raise RecordingError(
             f"{name}: captured at {fps:g} frames/s ({source}), but its frames are stored "
-            f"{1e3 * shortest:.3g} to {1e3 * longest:.3g} ms apart: a part of it is slow motion; export it at "
-            "one rate throughout"
+            f"{1e3 * shortest:.3g} to {1e3 * longest:.3g} ms apart: a part of it is slow motion; export it "
+            "at one rate throughout"
         )
     return file_fps / fps, [f"captured at {fps:g} frames/s ({source}) but stored at {file_fps:.4g}"]
 

@@ -11,6 +11,7 @@ from tracking.circle import Guess, fit_circles
 from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
+from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.sight import Sighting, sight_along, sight_resting
 from tracking.size import measure_radius
 from tracking.video import Recording, revisit
@@ -50,7 +51,11 @@ class Track:
 
 
 def track_balls(
-    recording: Recording, *, radius: float | None = None, lower: float | None = None
+    recording: Recording,
+    *,
+    radius: float | None = None,
+    lower: float | None = None,
+    start_px: Sequence[float] | None = None,
 ) -> list[Track]:
     """Track the ball that falls, and the ball it falls on.
 
@@ -61,6 +66,8 @@ def track_balls(
         Radius of the falling ball in px; found from the pictures if not given.
     lower : float, optional
         Radius of the ball it falls on as a multiple of its own; without it only one ball is tracked.
+    start_px : two floats, optional
+        Where the falling ball is first seen (x, y in px), if several fall.
 
     Returns
     -------
@@ -70,7 +77,8 @@ def track_balls(
     Raises
     ------
     RecordingError
-        If no round thing moves through the picture.
+        If no round thing moves through the picture, if two fall and `start_px` is not given, or if none
+        starts there.
     """
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
@@ -79,6 +87,7 @@ def track_balls(
     if radius is None:
         radius = measure_radius(recording, path, rough)
         path, _ = _choose_path(recording, candidates, radius)
+    path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
     if lower is not None:
         below = _place_below(list(path.values()), radius, lower)
@@ -118,6 +127,26 @@ def _choose_path(
         "background of another colour, whole and in focus, with more frames a second if it is very fast, and "
         "check --ball-diameter and the scale"
     )
+
+
+def _the_one(
+    recording: Recording,
+    candidates: Mapping[int, Sequence[Blob]],
+    path: dict[int, Blob],
+    told: tuple[float, Sequence[float] | None],
+) -> dict[int, Blob]:
+    """Look for a second ball that falls, and choose by where it starts; `told` are radius and place."""
+    radius, start_px = told
+    try:
+        other, _ = _choose_path(recording, without(path, candidates, radius), radius)
+    except RecordingError:
+        other = {}
+    paths = [path, other] if other and is_rival(other, path, radius) else [path]
+    if start_px is not None:
+        return dict(nearest(paths, start_px, recording.size, recording.path.name))
+    if len(paths) > 1:
+        raise refusal(paths, recording.path.name)
+    return path
 
 
 def _place_below(path: Sequence[Blob], radius: float, lower: float) -> Guess:
