@@ -10,7 +10,15 @@ import numpy.typing as npt
 
 from calibrate.rows import VELOCITIES
 from experiments.doubt import find_doubt, gravity_is_wrong
-from experiments.known import SCALES_AGREE, budget_of, chosen_scale, flight_of, given_scale, without_depth
+from experiments.known import (
+    SCALES_AGREE,
+    budget_of,
+    chosen_scale,
+    flight_of,
+    given_scale,
+    untold_shutter,
+    without_depth,
+)
 from experiments.measured import Fit, Measured, only_seen
 from experiments.rates import likely_rate
 from experiments.rows import cells, empty_row, judgement
@@ -41,12 +49,14 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     tracks[0], remarks = without_depth(tracks[0], recording)
     scale, more_remarks = chosen_scale(trial, tracks[0])
     measured.remarks += remarks + more_remarks
-    timed = [with_row_times(track, recording, trial.camera.readout) for track in tracks]
+    timed = [with_row_times(track, recording, trial.camera.row_time) for track in tracks]
     measured.tracks = [to_metres(track, scale) for track in timed]
     known = [flight_of(body, track) for body, track in zip((upper, lower), measured.tracks, strict=False)]
     measured.remarks += [remark for _, remarks in known for remark in remarks]
     flights = [flight for flight, _ in known]
     impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
+    change = float(np.ptp(impacts[0].velocities[:2]))
+    measured.remarks += untold_shutter(trial, change, scale, recording)
     believed = recording.capture_fps
     wrong = any(map(gravity_is_wrong, impacts))
     rates = (believed, likely_rate(measured.tracks[0], flights[0], believed) if wrong else None)

@@ -24,7 +24,7 @@ def measure_pair_trial(measured: Measured, recording: Recording) -> None:
     """Track, scale and fit the recording of two discs that meet."""
     found = track_pair(recording)
     measured.overlay = only_seen(outline_of(found.striker), outline_of(found.struck))
-    readout = measured.trial.camera.readout
+    readout = measured.trial.camera.row_time
     seen = PairTrack(
         striker=with_row_times(found.striker, recording, readout),
         struck=with_row_times(found.struck, recording, readout),

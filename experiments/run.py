@@ -51,7 +51,9 @@ def process(
         tuple[float, float] | None,
         typer.Option(help="Where the ball to measure is first seen, x and y in px, if several move."),
     ] = None,
-    readout: Annotated[float, typer.Option(help="Rolling shutter: first to last row, s.")] = 0.0,
+    readout: Annotated[
+        float | None, typer.Option(help="Rolling shutter: first to last row, s; 0 if the camera has none.")
+    ] = None,
     overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
     workers: Workers = None,
     resume: Annotated[

@@ -32,7 +32,7 @@ def measure_shot_trial(measured: Measured, recording: Recording) -> None:
     seen = track_shot(recording, start_px=trial.start_px)
     tips = () if seen.tip is None else (outline_of(seen.tip),)
     measured.overlay = only_seen(outline_of(seen.ball, seen.expected_radius), *tips)
-    scene = measure_seen(measured, _with_row_times(seen, recording, trial.camera.readout))
+    scene = measure_seen(measured, _with_row_times(seen, recording, trial.camera.row_time))
     measured.overlay = replace(measured.overlay, scenes=(scene,))
 
 

@@ -73,8 +73,8 @@ class Camera:
     ----------
     capture_fps : float or None
         Frames captured a second, where the file does not tell.
-    readout : float
-        Rolling shutter: time from the first to the last row, s.
+    readout : float or None
+        Rolling shutter: time from the first to the last row, s; None where it was not told.
     scale : mapping
         As in the file: ``{"metres_per_pixel": 0.0008}``, ``{"ball_diameter": "upper"}``, two points and
         their distance, or four corners with width and height. Empty: from the diameter of the upper ball.
@@ -87,7 +87,7 @@ class Camera:
     """
 
     capture_fps: float | None = None
-    readout: float = 0.0
+    readout: float | None = None
     scale: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -97,9 +97,14 @@ class Camera:
                 raise ValueError(
                     f"capture_fps must be at most {FASTEST_CAMERA:g}, got {shown(self.capture_fps)}"
                 )
-        if not (is_number(self.readout) and 0 <= self.readout < 1):
+        if self.readout is not None and not (is_number(self.readout) and 0 <= self.readout < 1):
             raise ValueError(f"readout must be within [0, 1) s, got {shown(self.readout)}")
         _check_scale(self.scale)
+
+    @property
+    def row_time(self) -> float:
+        """Time from the first to the last row, s: 0, as in a camera without rolling shutter, if not told."""
+        return self.readout or 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -51,7 +51,7 @@ def test_trial_comes_before_the_experiment_and_the_experiment_before_nothing(fol
     first, second = read_experiment(written(folder, text))
     assert (first.name, first.kind, first.video) == ("two-00", "two", folder / "two-00.mp4")
     assert first.body("upper") == Body(mass=0.0027, diameter=0.040)
-    assert (first.camera.capture_fps, first.camera.readout) == (240, 0.0)
+    assert (first.camera.capture_fps, first.camera.readout) == (240, None)
     assert (second.name, second.body("upper")) == ("again", Body(mass=0.0054, diameter=0.040))
     assert second.body("lower") == Body(mass=0.0030)
     assert (second.camera.readout, second.camera.scale) == (0.004, first.camera.scale)

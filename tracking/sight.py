@@ -21,7 +21,9 @@ RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the 
 MOVING_PX = 0.3  # a frame: what moves less rests
 SURPRISE_PX = 1.5  # a ball this far from where it was expected is expected anew
 LONGEST_STRIDE = 32  # frames looked through at once
-MEMORY = 25  # sightings of which the median radius is expected next
+MEMORY = 25  # sightings of which the median radius is expected
+SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
+REFITS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,10 +89,28 @@ def sight_resting(recording: Recording, guess: Guess) -> list[Sighting]:
 
 
 def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius: float) -> list[Sighting]:
+    """See the ball in a batch; again with the radius of the frames around where that is another."""
     blobs = [path[cutting.frame] for cutting in cuttings]
-    guesses = [(blob.x, blob.y, radius) for blob in blobs]
-    found = _sight(cuttings, guesses, np.array([_blur(blob) for blob in blobs]))
+    guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
+    blur = np.array([_blur(blob) for blob in blobs])
+    found = _sight(cuttings, guesses, blur)
+    for _ in range(REFITS):
+        around = _radius_around(found, radius)
+        if np.abs(around - [guess[2] for guess in guesses]).max(initial=0.0) < SAME_RADIUS * radius:
+            break
+        guesses = [
+            (*guess[:2], r) if seen is None else (seen.circle.x, seen.circle.y, r)
+            for guess, seen, r in zip(guesses, found, around.tolist(), strict=True)
+        ]
+        found = _sight(cuttings, guesses, blur)
     return [sighting for sighting in found if sighting is not None]
+
+
+def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArray:
+    """Median radius in the frames around each one: a ball that comes nearer grows."""
+    seen = [radius if sighting is None else sighting.circle.radius for sighting in found]
+    padded = np.pad(seen, MEMORY // 2, mode="edge") if seen else np.empty(MEMORY - 1)
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1))
 
 
 def _advance(seen: list[Sighting], waiting: list[Cutting], guess: Guess, stride: int) -> tuple[Guess, int]:
