@@ -181,13 +181,13 @@ def test_bad_trials_cost_the_others_nothing(plate_clip: Clip, tmp_path: Path) ->
     }
     trials = [trial_of(tmp_path / f"{name}.mp4") for name in sentences]
     trials.insert(3, trial_of(plate_clip.path))
-    trials.append(replace(trial_of(plate_clip.path, "shot"), name="shot"))
+    trials.append(replace(trial_of(tmp_path / "still.mp4", "shot"), name="shot"))
     trials.append(replace(trial_of(plate_clip.path, bodies={"upper": Body(mass=1e-6)}), name="feather"))
     trials.append(replace(trial_of(plate_clip.path, bodies={}, camera=Camera()), name="unscaled"))
     trials.append(replace(trial_of(plate_clip.path, bodies={"upper": Body(diameter=0.5)}), name="giant"))
     records = list(process_all(trials, Batch(out=tmp_path / "out")))
     sentences |= {
-        "shot": "plate-00.mp4: no ball found that starts to move; film the cloth from above",
+        "shot": "still.mp4: no ball found that starts to move; film the cloth from above",
         "feather": "mass must exceed that of the displaced air",
         "unscaled": "nothing tells how large a pixel is; give --ball-diameter or --metres-per-pixel",
         "giant": "the ball would be 625 px wide, but must be between 5 and 200 px; check its diameter",
