@@ -17,6 +17,9 @@ COARSE = 4  # pixels from one that is looked at to the next
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
+LINGERING = (
+    5  # frames for which a place is kept: a ball that comes to where the picture shows one hides there
+)
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
@@ -57,6 +60,7 @@ class Keeper:
     _noise: float = np.nan
     _reference: Planes | None = None
     _before: Planes | None = None
+    _lingering: Image | None = None
 
     def look(self, seen: Planes) -> None:
         """Keep what changed in the next frame."""
@@ -90,7 +94,13 @@ class Keeper:
             self._noise = 1.2533 * float(np.minimum(cv2.absdiff(coarse[0], reference[0]), 10).mean())
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         apart = coarse_difference(coarse, reference, gain)
-        windows = boxes(above(apart, least), BESIDE, shape)
+        lingering = np.asarray(above(apart, least) * np.uint8(LINGERING), dtype=np.uint8)
+        if self._lingering is not None:
+            lingering = np.asarray(
+                cv2.max(lingering, self._lingering - (self._lingering > 0)), dtype=np.uint8
+            )
+        self._lingering = lingering
+        windows = boxes(above(lingering, 0), BESIDE, shape)
         kept = sum((rows.stop - rows.start) * (columns.stop - columns.start) for rows, columns in windows)
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows
 
