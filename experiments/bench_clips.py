@@ -52,7 +52,7 @@ class Filmed:
     def sd(self) -> FloatArray:
         """Stated standard deviations of those errors, what frames share included, (n, 2) px."""
         own = np.column_stack((self.track.x_sd, self.track.y_sd))[self.flying]
-        return np.asarray(np.hypot(own, self.track.shared_sd))
+        return np.asarray(np.sqrt(own**2 + self.track.shared_sd**2 + self.track.offset_sd**2))
 
 
 def film(scene: DropScene, crf: int | None) -> Filmed:

@@ -7,7 +7,7 @@ are gone through at once: one by one takes ten times as long.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -30,6 +30,7 @@ MAXIMUM_ITERATIONS = 12
 SETTLED_PX = 2e-3
 MINIMUM_ARC = np.deg2rad(120)
 MINIMUM_INLIERS = 0.4
+ALIKE_PX = 1.2  # rays that meet the rim closer to each other see the same noise
 SECTOR = np.deg2rad(15)  # of a rim counts as seen where one of its rays meets an edge
 _ANGLES: FloatArray = np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 _DIRECTIONS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
@@ -52,16 +53,20 @@ class Circle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rim:
-    """Edge points on the rays from a guessed centre: (rays, 2) px, NaN where no edge is; contrast, levels."""
+    """Edge points on the rays from a guessed centre: (rays, 2) px, NaN where no edge is; contrast, levels.
+
+    `weights` (rays,) tell how much each point counts, on average 1.
+    """
 
     points: FloatArray
     contrast: float
+    weights: FloatArray = field(default_factory=lambda: np.ones(RAYS))
 
     def without(self, direction: float, half_angle: float) -> "Rim":
         """Leave out what lies around a direction, rad from x to y down, and opposite."""
         apart = np.abs((_ANGLES - direction + np.pi / 2) % np.pi - np.pi / 2)
         points = np.where((apart > half_angle)[:, None], self.points, np.nan)
-        return Rim(points=points, contrast=self.contrast)
+        return replace(self, points=points)
 
 
 def find_rims(
@@ -116,11 +121,15 @@ def fit_circles(
     if not len(rims):
         return []
     points = np.array([rim.points for rim in rims])
-    circles, weights, covariance = _robust_circles(points, np.array(guesses, dtype=np.float64), free_radius)
-    inlying = weights > 0.1
+    known = np.array([rim.weights for rim in rims])
+    circles, agreement, covariance = _robust_circles(
+        points, known, np.array(guesses, dtype=np.float64), free_radius
+    )
+    inlying = agreement > 0.1
     share = inlying.sum(axis=1) / RAYS
     arc = (inlying @ _IN_SECTOR).sum(axis=1) * SECTOR
-    sd = np.sqrt(np.einsum("nii->ni", covariance)[:, :2])
+    alike = np.maximum(ALIKE_PX * RAYS / (2 * np.pi * np.maximum(circles[:, 2:], 1)), 1)
+    sd = np.sqrt(np.einsum("nii->ni", covariance)[:, :2] * alike)
     good = (share >= MINIMUM_INLIERS) & (arc >= MINIMUM_ARC) & np.isfinite(circles).all(axis=1)
     return [
         Circle(
@@ -182,29 +191,32 @@ def _steepest(steepness: FloatArray, distances: FloatArray, half_width: FloatArr
 
 
 def _robust_circles(
-    points: FloatArray, circles: FloatArray, free_radius: bool
+    points: FloatArray, known: FloatArray, circles: FloatArray, free_radius: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Fit circles by Gauss-Newton with Tukey weights: (n, 3) circles, (n, rays) weights, (n, 2 or 3, …)."""
+    """Fit circles by Gauss-Newton with Tukey weights times what is `known` of each point, (n, rays).
+
+    Returns (n, 3) circles, (n, rays) Tukey weights, and covariances (n, 2 or 3, ...).
+    """
     count, free = len(points), 3 if free_radius else 2
     seen = np.isfinite(points[:, :, 0])
     points = np.where(seen[:, :, None], points, 0.0)
-    weights, residual = np.zeros((2, count, RAYS))
+    agreement, residual = np.zeros((2, count, RAYS))
     normal = np.tile(np.eye(free), (count, 1, 1))
     going = np.flatnonzero(seen.sum(axis=1) >= MINIMUM_INLIERS * RAYS)
     for _ in range(MAXIMUM_ITERATIONS):
         if not going.size:
             break
         slope, residual[going] = _apart(points[going], circles[going])
-        weights[going] = _tukey(residual[going], seen[going])
-        weighted = slope[:, :, :free] * weights[going, :, None]
+        agreement[going] = _tukey(residual[going], seen[going])
+        weighted = slope[:, :, :free] * (agreement * known)[going, :, None]
         normal[going] = np.swapaxes(weighted, 1, 2) @ slope[:, :, :free] + 1e-9 * np.eye(free)
         right = np.swapaxes(weighted, 1, 2) @ residual[going, :, None]
         step = np.linalg.solve(normal[going], right)[:, :, 0]
         circles[going, :free] += step
         going = going[np.abs(step).max(axis=1) >= SETTLED_PX]
-    freedom = np.maximum(weights.sum(axis=1) - free, 1.0)
-    variance = (weights * residual**2).sum(axis=1) / freedom
-    return circles, weights, np.linalg.inv(normal) * variance[:, None, None]
+    freedom = np.maximum(agreement.sum(axis=1) - free, 1.0)
+    variance = (agreement * known * residual**2).sum(axis=1) / freedom
+    return circles, agreement, np.linalg.inv(normal) * variance[:, None, None]
 
 
 def _apart(points: FloatArray, circles: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -146,6 +146,7 @@ def to_metres(track: Track, scale: Scale) -> Track:
         radius=track.radius * float(np.median(magnification)),
         radius_sd=track.radius_sd * float(np.median(magnification)),
         shared_sd=track.shared_sd * float(np.median(magnification)),
+        offset_sd=track.offset_sd * float(np.median(magnification)),
     )
 
 

@@ -1,15 +1,18 @@
 """A ball's outline in many frames: where it is roughly → rims and circles, a batch of frames at a time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from tracking.circle import MARGIN_PX, Circle, Guess, Rim, find_rims, fit_circles
 from tracking.detect import Blob
-from tracking.planes import Image, colours, cut
+from tracking.limb import Limb
+from tracking.planes import Image
 from tracking.recording import Recording, View
+from tracking.sharp import limb_of, sharpened
+from tracking.sighting import Cutting, Sighting, cut_out
 from tracking.video import revisit
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,68 +27,51 @@ LONGEST_STRIDE = 32  # frames looked through at once
 MEMORY = 25  # sightings of which the median radius is expected
 SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
 REFITS = 3
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sighting:
-    """One frame's rim of one ball, the circle first fitted to it, and its way during the exposure, px."""
-
-    frame: int
-    time: float
-    rim: Rim
-    circle: Circle
-    blur: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cutting:
-    """What surrounds a place in a frame; the upper left pixel of `image` is at `corner` (x, y)."""
-
-    frame: int
-    time: float
-    image: Image
-    corner: tuple[int, int]
-
-
-def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
-    """Copy what is at most so many pixels above, below or beside a place."""
-    left, top = (max(0, int(value - half)) // 2 * 2 for value in place)
-    height, width = view.planes[0].shape
-    window = (
-        slice(top, min(int(place[1] + half) + 2, height)),
-        slice(left, min(int(place[0] + half) + 2, width)),
-    )
-    image = colours(cut(view.planes, window))
-    return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
+LIMB_FRAMES = 8  # pictures on which a ball's limb is measured, from the sharper half of all
 
 
 def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See a ball of some radius (px) wherever it is on its path, patches by the number of the frame."""
     seen: list[Sighting] = []
     cuttings: list[Cutting] = []
+    limb = _limb_along(recording, path, radius)
     for view in revisit(recording, path):
-        blob = path[view.index]
-        cuttings.append(cut_out(view, (blob.x, blob.y), _half(radius, _blur(blob))))
+        cuttings.append(_cut_on_path(view, path, radius))
         if len(cuttings) == BATCH:
-            seen += _sight_on_path(cuttings, path, radius)
+            seen += sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
             cuttings.clear()
-    return seen + _sight_on_path(cuttings, path, radius)
+    return seen + sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
 
 
 def sight_resting(recording: Recording, guess: Guess) -> list[Sighting]:
     """See a ball that rests first and may be struck later; the guess may be a radius too high or too low."""
     seen: list[Sighting] = []
     waiting: list[Cutting] = []
-    stride, half = 1, 2 * guess[2] + _half(guess[2], 0.0)
+    stride, half, limb = 1, 2 * guess[2] + _half(guess[2], 0.0), Limb()
     for view in revisit(recording):
         if not seen and not waiting:
             guess = _find_resting(view.frame().image, guess)
+            first = [cut_out(view, guess[:2], half)]
+            limb = limb_of(first, [s for s in _sight(first, [guess], np.zeros(1)) if s is not None])
         waiting.append(cut_out(view, guess[:2], half))
         if len(waiting) >= stride:
-            guess, stride = _advance(seen, waiting, guess, stride)
+            guess, stride = _advance(seen, waiting, guess, stride, limb)
     while waiting:
-        guess, stride = _advance(seen, waiting, guess, stride)
+        guess, stride = _advance(seen, waiting, guess, stride, limb)
     return seen
+
+
+def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> Limb:
+    """Measure the limb of a ball on some pictures in which its motion smears it little."""
+    sharper = sorted(sorted(path, key=lambda number: _blur(path[number]))[: len(path) // 2 + 1])
+    some = {sharper[i] for i in np.linspace(0, len(sharper) - 1, LIMB_FRAMES).astype(int)}
+    cuttings = [_cut_on_path(view, path, radius) for view in revisit(recording, some)]
+    return limb_of(cuttings, _sight_on_path(cuttings, path, radius))
+
+
+def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
+    blob = path[view.index]
+    return cut_out(view, (blob.x, blob.y), _half(radius, _blur(blob)))
 
 
 def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius: float) -> list[Sighting]:
@@ -113,12 +99,16 @@ def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArra
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1))
 
 
-def _advance(seen: list[Sighting], waiting: list[Cutting], guess: Guess, stride: int) -> tuple[Guess, int]:
+def _advance(
+    seen: list[Sighting], waiting: list[Cutting], guess: Guess, stride: int, limb: Limb
+) -> tuple[Guess, int]:
     """See the ball in some of the frames that wait, up to the first in which it is not where expected."""
     batch = waiting[:stride]
     places = [_expected(seen, guess, cutting.frame) for cutting in batch]
-    found = _sight(batch, places, np.zeros(len(batch)))
-    for count, (place, sighting) in enumerate(zip(places, found, strict=True), start=1):
+    first = [s for s in _sight(batch, places, np.zeros(len(batch))) if s is not None]
+    found = {sighting.frame: sighting for sighting in sharpened(batch, first, limb)}
+    for count, (place, cutting) in enumerate(zip(places, batch, strict=True), start=1):
+        sighting = found.get(cutting.frame)
         if sighting is None:
             continue
         seen.append(sighting)

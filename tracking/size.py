@@ -8,7 +8,7 @@ from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.detect import Blob
 from tracking.planes import Image
 from tracking.recording import Recording
-from tracking.sight import cut_out
+from tracking.sighting import cut_out
 from tracking.video import revisit
 
 RADIUS_FRAMES = 9  # pictures on which the radius is measured

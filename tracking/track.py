@@ -12,7 +12,9 @@ from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_backgrou
 from tracking.errors import RecordingError
 from tracking.path import MISSING, best_path, guess_radius
 from tracking.rivals import is_rival, nearest, refusal, without
-from tracking.sight import Sighting, sight_along, sight_resting
+from tracking.scatter import path_scatter
+from tracking.sight import sight_along, sight_resting
+from tracking.sighting import Sighting
 from tracking.size import measure_radius
 from tracking.video import Recording, revisit
 
@@ -20,8 +22,9 @@ FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
 SHARP = 0.12  # motion blur below this share of the radius
-FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
-SHARED_PX = 0.1  # compression and texture behind the ball shift it by this, alike in frames of like height
+FINEST_PX = 0.003  # no rim is located better than this
+SHARED = 1.0  # of what scatters more than rims tell: compression errs as much alike at like height
+SHADING_SD = 0.25  # of how far a ball's shading moves its rim
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,7 +34,8 @@ class Track:
     `frame` numbers frames in the file, `time` is in s, `arc` is the part of the rim that was seen, rad.
     `x`, `y`, their standard deviations and `radius` are in pixels with y down (`unit` "px") as they come
     from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`. So is `shared_sd`: an error
-    of the centre that no rim shows, shared by frames in which the ball stands before the same background.
+    of the centre that no rim shows, shared by frames in which the ball stands before the same background; and
+    `offset_sd`, one that all frames share, which no velocity notices.
     `sizes` (px always) is the radius seen in each frame by itself; empty where it was not asked for.
     """
 
@@ -47,6 +51,7 @@ class Track:
     radius: float
     radius_sd: float
     shared_sd: float = 0.0
+    offset_sd: float = 0.0
     sizes: FloatArray = field(default_factory=lambda: np.empty(0))
 
 
@@ -174,21 +179,31 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
     guesses = [(s.circle.x, s.circle.y, radius) for s in sightings]
     fits = fit_circles([s.rim for s in sightings], guesses, free_radius=False)
     seen = [(s, circle) for s, circle in zip(sightings, fits, strict=True) if circle is not None]
+    frame = np.array([s.frame for s, _ in seen], dtype=np.int64)
+    x, y = np.array([(c.x, c.y) for _, c in seen]).reshape(-1, 2).T
+    x_rim, y_rim = np.array([(c.x_sd, c.y_sd) for _, c in seen]).reshape(-1, 2).T
+    x_unseen, y_unseen = _unseen(frame, x, x_rim), _unseen(frame, y, y_rim)
     return Track(
         ball=ball,
         unit="px",
-        frame=np.array([s.frame for s, _ in seen], dtype=np.int64),
+        frame=frame,
         time=np.array([s.time for s, _ in seen]),
-        x=np.array([c.x for _, c in seen]),
-        y=np.array([c.y for _, c in seen]),
-        x_sd=np.array([max(c.x_sd, FINEST_PX) for _, c in seen]),
-        y_sd=np.array([max(c.y_sd, FINEST_PX) for _, c in seen]),
+        x=x,
+        y=y,
+        x_sd=np.hypot(np.maximum(x_rim, FINEST_PX), x_unseen),
+        y_sd=np.hypot(np.maximum(y_rim, FINEST_PX), y_unseen),
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
-        shared_sd=SHARED_PX,
+        shared_sd=SHARED * float(np.hypot(x_unseen, y_unseen)) / np.sqrt(2),
+        offset_sd=SHADING_SD * float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2),
         sizes=np.array([s.circle.radius for s, _ in seen]),
     )
+
+
+def _unseen(frame: npt.NDArray[np.int64], place: FloatArray, rim: FloatArray) -> float:
+    """How much places scatter beyond what rims tell of their own errors: compression moves all of a ball."""
+    return float(np.sqrt(max(path_scatter(frame, place) ** 2 - np.median(rim**2), 0.0)))
 
 
 def _common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:

@@ -1,0 +1,44 @@
+"""What is cut out of a frame around a ball, and what is seen of the ball there."""
+
+from dataclasses import dataclass
+
+from tracking.circle import Circle, Rim
+from tracking.planes import Image, colours, cut
+from tracking.recording import View
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sighting:
+    """One frame's rim of one ball, the circle first fitted to it, and its way during the exposure, px.
+
+    `shading` is how far (x, y) in px the ball's limb moved the circle that its edges make.
+    """
+
+    frame: int
+    time: float
+    rim: Rim
+    circle: Circle
+    blur: float
+    shading: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cutting:
+    """What surrounds a place in a frame; the upper left pixel of `image` is at `corner` (x, y)."""
+
+    frame: int
+    time: float
+    image: Image
+    corner: tuple[int, int]
+
+
+def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
+    """Copy what is at most so many pixels above, below or beside a place."""
+    left, top = (max(0, int(value - half)) // 2 * 2 for value in place)
+    height, width = view.planes[0].shape
+    window = (
+        slice(top, min(int(place[1] + half) + 2, height)),
+        slice(left, min(int(place[0] + half) + 2, width)),
+    )
+    image = colours(cut(view.planes, window))
+    return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
