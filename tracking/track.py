@@ -180,30 +180,26 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
     fits = fit_circles([s.rim for s in sightings], guesses, free_radius=False)
     seen = [(s, circle) for s, circle in zip(sightings, fits, strict=True) if circle is not None]
     frame = np.array([s.frame for s, _ in seen], dtype=np.int64)
-    x, y = np.array([(c.x, c.y) for _, c in seen]).reshape(-1, 2).T
-    x_rim, y_rim = np.array([(c.x_sd, c.y_sd) for _, c in seen]).reshape(-1, 2).T
-    x_unseen, y_unseen = _unseen(frame, x, x_rim), _unseen(frame, y, y_rim)
+    places = np.array([(c.x, c.y) for _, c in seen]).reshape(-1, 2)
+    rims = np.maximum([(c.x_sd, c.y_sd) for _, c in seen], FINEST_PX).reshape(-1, 2)
+    # compression moves all of a ball, and no rim tells
+    unseen = np.sqrt(np.maximum(path_scatter(frame, places) ** 2 - np.median(rims**2, axis=0), 0.0))
     return Track(
         ball=ball,
         unit="px",
         frame=frame,
         time=np.array([s.time for s, _ in seen]),
-        x=x,
-        y=y,
-        x_sd=np.hypot(np.maximum(x_rim, FINEST_PX), x_unseen),
-        y_sd=np.hypot(np.maximum(y_rim, FINEST_PX), y_unseen),
+        x=places[:, 0],
+        y=places[:, 1],
+        x_sd=np.hypot(rims, unseen)[:, 0],
+        y_sd=np.hypot(rims, unseen)[:, 1],
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
-        shared_sd=SHARED * float(np.hypot(x_unseen, y_unseen)) / np.sqrt(2),
+        shared_sd=SHARED * float(np.hypot(*unseen)) / np.sqrt(2),
         offset_sd=SHADING_SD * float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2),
         sizes=np.array([s.circle.radius for s, _ in seen]),
     )
-
-
-def _unseen(frame: npt.NDArray[np.int64], place: FloatArray, rim: FloatArray) -> float:
-    """How much places scatter beyond what rims tell of their own errors: compression moves all of a ball."""
-    return float(np.sqrt(max(path_scatter(frame, place) ** 2 - np.median(rim**2), 0.0)))
 
 
 def _common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
