@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from tracking.circle import Circle, find_rim, fit_circle
 from tracking.follow import Sighting
+from tracking.limb import measure_limb, sharpen
 from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,6 +24,8 @@ SETTLED_PX = 0.03
 REACH = 0.12  # radii around the expected rim
 MARGIN_PX = 2.0
 FINEST_PX = 0.02  # no rim is located better than this in a compressed picture
+LIMB_FRAMES = 12  # on which the ball's limb is measured
+WHOLE = 0.9  # of the most that is seen of its rim is seen in those
 LEAST_SPAN = 4.0  # radii a ball must have gone for its radius to tell the perspective
 HUBER = 1.345
 HIDDEN_HALF_ANGLE = np.deg2rad(30)  # a cue's tip is a quarter as wide as a ball, its shadow comes on top
@@ -66,6 +69,8 @@ def trace_outlines(ball: str, sightings: Sequence[Sighting], *, hidden: float | 
     kept = [i for i, circle in enumerate(final) if circle is not None]
     centres = [circle for circle in final if circle is not None]
     seen = np.array([circles[i].radius for i in kept])
+    larger = _larger_by_limb([sightings[i] for i in kept], centres)
+    seen, expected = larger * seen, larger * expected
     spread = 1.4826 * float(np.median(np.abs(seen - expected[kept]))) if kept else np.nan
     track = Track(
         ball=ball,
@@ -81,6 +86,21 @@ def trace_outlines(ball: str, sightings: Sequence[Sighting], *, hidden: float | 
         radius_sd=max(spread / np.sqrt(max(len(kept), 1)), 1e-3),
     )
     return Outlines(track=track, seen_radius=seen, expected_radius=expected[kept])
+
+
+def _larger_by_limb(sightings: Sequence[Sighting], circles: Sequence[Circle]) -> float:
+    """Radius of a ball's limb over that of its edges, which shading draws inwards."""
+    most = WHOLE * max((circle.inliers for circle in circles), default=0.0)
+    whole = [i for i, circle in enumerate(circles) if circle.inliers >= most]
+    some = [whole[i] for i in np.linspace(0, len(whole) - 1, min(LIMB_FRAMES, len(whole))).astype(int)]
+    patches, still = [sightings[i].patch for i in some], np.zeros(len(some))
+    inside = [
+        replace(circles[i], x=circles[i].x - sightings[i].corner[0], y=circles[i].y - sightings[i].corner[1])
+        for i in some
+    ]
+    _, found = sharpen(patches, inside, still, measure_limb(patches, inside, still))
+    ratios = [limb.radius / edge.radius for limb, edge in zip(found, inside, strict=True) if limb is not None]
+    return float(np.median(ratios)) if ratios else 1.0
 
 
 def _plane_radius(circles: Sequence[Circle]) -> FloatArray:
