@@ -61,6 +61,9 @@ def process(
     ] = False,
     timeout: Annotated[float | None, typer.Option(help="Seconds a recording may take.")] = None,
     memory: Annotated[float | None, typer.Option(help="GB a recording may take (Linux).")] = None,
+    cluster: Annotated[
+        str | None, typer.Option(help="Dask scheduler, tcp://host:port, whose workers do the work.")
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -85,6 +88,7 @@ def process(
         overlays=overlays,
         resume=resume,
         limits=Limits(timeout=timeout, memory=memory),
+        cluster=cluster,
     )
     if measure(trials, batch, quiet=quiet, as_json=as_json):
         raise typer.Exit(SOME_FAILED)

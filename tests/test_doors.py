@@ -23,6 +23,7 @@ GIANTS = {
     "matplotlib": ("experiments/",),
     "typer": ("experiments/",),
     "joblib": ("experiments/",),
+    "distributed": ("experiments/cluster.py",),
     "pandas": ("calibrate/", "experiments/"),
 }
 TOP = {
