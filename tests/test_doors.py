@@ -24,6 +24,7 @@ GIANTS = {
     "typer": ("experiments/",),
     "joblib": ("experiments/",),
     "distributed": ("experiments/cluster.py",),
+    "jinja2": ("experiments/report/",),
     "pandas": ("calibrate/", "experiments/"),
 }
 TOP = {

@@ -106,7 +106,8 @@ def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
     run.send_signal(ending)
     _, complaint = run.communicate()
     assert run.returncode == 130
-    assert b"of 4 trials; go on with --resume" in complaint
+    assert b"stopped; what is finished is kept, go on with --resume" in complaint
+    assert (tmp_path / "report.html").exists()
     assert 1 <= len(records_in(tmp_path)) < 4
     assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + len(records_in(tmp_path))
     assert left_over(tmp_path) == []
