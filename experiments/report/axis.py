@@ -37,7 +37,7 @@ class Axis:
         Examples
         --------
         >>> [text for _, text in Axis(low=-0.013, high=0.27, start=0, end=100).ticks()]
-        ['0', '0.1', '0.2']
+        ['0', '0.05', '0.1', '0.15', '0.2', '0.25']
         """
         step = _round_step((self.high - self.low) / FEWEST_TICKS)
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
