@@ -109,21 +109,22 @@ def _tables(out: Path) -> list[Table]:
     """Read trials.csv and what is kept of its trials; a table for each set of columns."""
     rows = plain(read_trials(out / "trials.csv").to_dict("records"))
     tables: dict[Sequence[str], list[TrialView]] = {}
-    for name, group in groupby(rows, key=lambda row: row["trial"]):
+    for number, (_, group) in enumerate(groupby(rows, key=lambda row: row["trial"])):
         impacts = list(group)
         heads, _ = columns_of(impacts[0]["kind"])
-        tables.setdefault(heads, []).append(_trial(str(name), impacts, out))
+        tables.setdefault(heads, []).append(_trial(f"trial-{number}", impacts, out))
     return [Table(heads=heads, trials=trials) for heads, trials in tables.items()]
 
 
-def _trial(name: str, rows: Sequence[Mapping[str, Any]], out: Path) -> TrialView:
+def _trial(anchor: str, rows: Sequence[Mapping[str, Any]], out: Path) -> TrialView:
     """Join the rows of a trial with its record, if that holds the same rows."""
-    kind, statuses = rows[0]["kind"], [row["status"] for row in rows]
+    name, kind, statuses = str(rows[0]["trial"]), rows[0]["kind"], [row["status"] for row in rows]
     record = read_record(out, name)
     if record is None or [row["status"] for row in record.rows] != statuses:
         record = Record(name=name, kind=kind, told={}, rows=[])  # it is lost, or of another run
     told = {key: value for key, value in record.told.items() if key not in ("sha256", "name")}
     return TrialView(
+        anchor=anchor,
         name=name,
         kind=kind,
         status=max(statuses, key=STATUSES.index),

@@ -31,8 +31,12 @@ class Impact:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialView:
-    """One trial: impacts, remarks, drawings, where its film and its sheet are, what it was told."""
+    """One trial: impacts, remarks, drawings, where its film and its sheet are, what it was told.
 
+    `anchor` names its place on the page, which its own name could not.
+    """
+
+    anchor: str
     name: str
     kind: str
     status: str
