@@ -26,7 +26,7 @@ def connected(address: str) -> Iterator[None]:
     Raises
     ------
     ExperimentError
-        If `distributed` is not installed, or no scheduler or no worker answers.
+        If `distributed` is not installed, no scheduler or no worker answers, or they are lost on the way.
     """
     try:
         from distributed import Client
@@ -49,5 +49,11 @@ def connected(address: str) -> Iterator[None]:
             raise ExperimentError(
                 f"cluster: the scheduler at {address} has no worker; start some with dask-worker {address}"
             ) from None
-        with joblib.parallel_config(backend="dask"):
-            yield
+        try:
+            with joblib.parallel_config(backend="dask"):
+                yield
+        except Exception as error:  # a trial raises none: whatever comes here is the cluster's
+            reason = str(error).partition("\n")[0] or type(error).__name__
+            raise ExperimentError(
+                f"cluster: {address} is lost ({reason}); what is finished is kept, go on with --resume"
+            ) from error

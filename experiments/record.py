@@ -62,7 +62,7 @@ def told_of(trial: Trial, *, overlays: bool) -> dict[str, Any]:
     except OSError:
         return {}
     known = asdict(trial) | {"video": trial.video.name, "sha256": content, "overlays": overlays}
-    return dict(json.loads(json.dumps(known | {"version": version("impactlab")})))
+    return dict(json.loads(json.dumps(known | {"version": version("impactlab")}, sort_keys=True)))
 
 
 def lost_record(trial: Trial, reason: str) -> Record:

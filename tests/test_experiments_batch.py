@@ -89,6 +89,15 @@ def test_what_is_finished_is_kept_and_what_changed_is_done_again(plate_clip: Cli
     assert (tmp_path / "overlays" / f"{trial.name}.png").is_file()
 
 
+def test_a_trial_out_of_time_is_a_failed_row_and_is_tried_again(plate_clip: Clip, tmp_path: Path) -> None:
+    batch = Batch(out=tmp_path, limits=Limits(timeout=0.01), overlays=False)
+    (record,) = process_all([trial_of(plate_clip.path)], batch)
+    assert record.rows[0]["status"] == "failed"
+    assert "plate-00.mp4: it took longer than 0.01 s" in (tmp_path / "trials.csv").read_text()
+    (again,) = process_all([trial_of(plate_clip.path)], Batch(out=tmp_path, resume=True, overlays=False))
+    assert again.rows[0]["status"] == "ok"
+
+
 def test_every_option_and_the_content_tell_one_trial_from_another(tmp_path: Path) -> None:
     video = tmp_path / "drop.mp4"
     video.write_bytes(b"a film")

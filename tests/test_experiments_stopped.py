@@ -113,8 +113,11 @@ def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
     assert left_over(tmp_path) == []
 
 
+Members = list["subprocess.Popen[bytes]"]
+
+
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[tuple[str, list["subprocess.Popen[bytes]"]]]:
+def cluster(tmp_path: Path) -> Iterator[tuple[str, Members]]:
     """A Dask scheduler and two workers, each a process of its own."""
     pytest.importorskip("distributed")
     place = tmp_path / "scheduler.json"
@@ -129,22 +132,39 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list["subprocess.Popen[bytes]
         program[-1] = "distributed.cli.dask_worker"
         told = [address, "--no-nanny", "--nthreads", "1", "--no-dashboard"]
         members += [subprocess.Popen([*program, *told], **quiet) for _ in range(2)]
-        yield address, members[1:]
+        yield address, members
     finally:
         for member in members:
             member.kill()
             member.wait()
 
 
-def test_a_cluster_that_loses_a_worker_gives_the_same_table(
-    folder: Path, whole: bytes, tmp_path: Path, cluster: tuple[str, list["subprocess.Popen[bytes]"]]
-) -> None:
-    address, workers = cluster
-    out = tmp_path / "out"
-    run = started(folder, out, "--cluster", address)
+def kill_half_way(run: "subprocess.Popen[bytes]", out: Path, member: "subprocess.Popen[bytes]") -> bytes:
+    """Kill a member of the cluster as soon as something is finished; give what the run complains of."""
     while not records_in(out):
         time.sleep(0.02)
-    workers[0].kill()
-    _, complaint = run.communicate()
+    member.kill()
+    return run.communicate()[1]
+
+
+def test_a_cluster_that_loses_a_worker_gives_the_same_table(
+    folder: Path, whole: bytes, tmp_path: Path, cluster: tuple[str, Members]
+) -> None:
+    address, (_, worker, _) = cluster
+    run = started(folder, tmp_path / "out", "--cluster", address)
+    complaint = kill_half_way(run, tmp_path / "out", worker)
     assert run.returncode == 1, complaint
-    assert (out / "trials.csv").read_bytes() == whole
+    assert (tmp_path / "out" / "trials.csv").read_bytes() == whole
+
+
+def test_a_run_that_loses_its_cluster_says_so_and_goes_on_here(
+    folder: Path, whole: bytes, tmp_path: Path, cluster: tuple[str, Members]
+) -> None:
+    address, (scheduler, *_) = cluster
+    run = started(folder, tmp_path / "out", "--cluster", address)
+    complaint = kill_half_way(run, tmp_path / "out", scheduler)
+    assert run.returncode == 2
+    assert b"is lost" in complaint
+    assert b"what is finished is kept, go on with --resume" in complaint
+    assert finished(folder, tmp_path / "out", "--resume") == 1
+    assert (tmp_path / "out" / "trials.csv").read_bytes() == whole

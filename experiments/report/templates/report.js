@@ -30,6 +30,6 @@ for (const trial of document.querySelectorAll("details.trial")) {
   });
 }
 addEventListener("beforeprint", () => {
-  for (const trial of document.querySelectorAll("details.trial")) trial.open = true;
+  for (const trial of document.querySelectorAll("details.suspect, details.failed")) trial.open = true;
   for (const picture of document.images) picture.loading = "eager";
 });
