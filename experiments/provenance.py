@@ -13,7 +13,7 @@ from typing import Any
 from calibrate.files import write_whole
 
 _COMMANDS = "run.json"
-_PACKAGES = ("impactlab", "numpy", "scipy", "lmfit", "numba", "pandas")
+_PACKAGES = ("impactlab", "numpy", "scipy", "lmfit", "numba", "pandas", "opencv-python-headless", "av")
 
 
 def provenance(inputs: Sequence[Path], options: Mapping[str, Any]) -> dict[str, Any]:
