@@ -39,7 +39,7 @@ def connected(address: str) -> Iterator[None]:
         client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise ExperimentError(
-            f"cluster: no scheduler answers at {address} ({error}); start one with dask-scheduler, and give "
+            f"cluster: no scheduler answers at {address} ({error}); start one with dask scheduler, and give "
             "its address as tcp://host:port"
         ) from error
     with client:
@@ -47,7 +47,7 @@ def connected(address: str) -> Iterator[None]:
             client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError:
             raise ExperimentError(
-                f"cluster: the scheduler at {address} has no worker; start some with dask-worker {address}"
+                f"cluster: the scheduler at {address} has no worker; start some with dask worker {address}"
             ) from None
         try:
             with joblib.parallel_config(backend="dask"):
