@@ -57,7 +57,7 @@ class Batch:
 def process_all(trials: Sequence[Trial], batch: Batch) -> Generator[Record, None, None]:
     """Process all trials, yield each as it is done, then write trials.csv in the order of the trials.
 
-    The table is written as well if the work is interrupted: it then holds what was done until then.
+    The table is written as well if the work is interrupted: it then holds what was yielded until then.
 
     Parameters
     ----------

