@@ -1,14 +1,16 @@
 """Many trials: side by side none at the cost of another, and none done twice."""
 
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from joblib import Parallel, delayed
 
 from calibrate.trials import check_trials, write_trials
 from experiments.apart import Limits, LostError, apart, end_helpers
+from experiments.cluster import connected
 from experiments.experiment import ExperimentError
 from experiments.record import Record, finished_record, forget, lost_record, sweep, told_of
 from experiments.trial import Trial
@@ -30,6 +32,9 @@ class Batch:
         Whether to keep what is finished already of the same recordings with the same options.
     limits : Limits
         What one trial may take.
+    cluster : str or None
+        Address of a Dask scheduler, ``tcp://host:port``, whose workers do the work instead; recordings and
+        `out` must lie where all of them find them under the same path.
 
     Raises
     ------
@@ -42,6 +47,7 @@ class Batch:
     overlays: bool = True
     resume: bool = False
     limits: Limits = field(default_factory=Limits)
+    cluster: str | None = None
 
     def __post_init__(self) -> None:
         if self.workers < 1:
@@ -51,7 +57,7 @@ class Batch:
 def process_all(trials: Sequence[Trial], batch: Batch) -> Generator[Record, None, None]:
     """Process all trials, yield each as it is done, then write trials.csv in the order of the trials.
 
-    The table is written as well if the work is interrupted: it then holds what was done until then.
+    The table is written as well if the work is interrupted: it then holds what was yielded until then.
 
     Parameters
     ----------
@@ -62,7 +68,7 @@ def process_all(trials: Sequence[Trial], batch: Batch) -> Generator[Record, None
     Raises
     ------
     ExperimentError
-        If `out` cannot be made.
+        If `out` cannot be made, or the cluster does not answer.
     """
     try:
         batch.out.mkdir(parents=True, exist_ok=True)
@@ -111,13 +117,14 @@ def process_one(trial: Trial, batch: Batch) -> Record:
 
 def _side_by_side(trials: Sequence[Trial], batch: Batch) -> Iterator[Record]:
     """Do all trials, in any order; threads are enough, each waits for the process that does the work."""
-    parallel = Parallel(
-        n_jobs=min(batch.workers, len(trials)),
-        backend="threading",
-        return_as="generator_unordered",
-        batch_size=1,
-    )
-    yield from parallel(delayed(process_one)(trial, batch) for trial in trials)
+    batch = replace(batch, out=batch.out.absolute())
+    tasks = [delayed(process_one)(replace(trial, video=trial.video.absolute()), batch) for trial in trials]
+    how: dict[str, Any] = {"return_as": "generator_unordered", "batch_size": 1}
+    if batch.cluster is None:
+        yield from Parallel(min(batch.workers, len(trials)), backend="threading", **how)(tasks)
+        return
+    with connected(batch.cluster):
+        yield from Parallel(-1, **how)(tasks)
 
 
 def _write_table(records: Iterable[Record], out: Path) -> None:

@@ -7,15 +7,16 @@ from typing import Annotated
 import typer
 
 from experiments import plan, run
-from experiments.fit import EPILOG, calibrated, fit
-from experiments.run import Out, Quiet, Workers, cores, measure
+from experiments.fit import EPILOG, fit
+from experiments.fitting import calibrated
+from experiments.run import Out, Quiet, Workers, cores, leave_report, measure
 from experiments.simulate import simulate
-from experiments.verbs import verb
+from experiments.verbs import INTERRUPTED, verb
 
 app = typer.Typer(
     help="Film simultaneous collisions, measure them, and fit the impact model to them.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -47,10 +48,23 @@ def demo(
     for _ in console.progress(films, recordings(), "filming", quiet=quiet):
         pass
     batch = Batch(out=out, workers=workers, overlays=False)
-    measure(read_experiment(out / "recordings" / "experiment.toml"), batch, quiet=quiet)
-    typer.echo("")
+    if measure(read_experiment(out / "recordings" / "experiment.toml"), batch, quiet=quiet) == INTERRUPTED:
+        raise typer.Exit(INTERRUPTED)
     calibration = calibrated([out / "trials.csv"], out, {})
+    typer.echo(f"\n{calibration}")
     typer.echo("\n" + fitted_against_truth(calibration, truth))
+    leave_report(out, "demo", quiet=quiet)
+
+
+@app.command(epilog="Example: impactlab report out")
+@verb
+def report(
+    out: Annotated[Path, typer.Argument(help="Folder that process or fit wrote to.", metavar="DIR")],
+) -> None:
+    """Write report.html again: what was measured, what failed and why, what the fit says."""
+    from experiments.report import write_report
+
+    typer.echo(write_report(out))
 
 
 @app.command(epilog="Example: impactlab figures fig4 fig5 --out figures")

@@ -1,7 +1,7 @@
 """What a person at a terminal sees while recordings are processed: progress, remarks, one line an impact."""
 
 import sys
-from collections.abc import Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from math import atan2, degrees, hypot
 from typing import Any, TypeVar
 
@@ -17,8 +17,14 @@ PAIR_HEADS = ("striker", "after", "struck", "after", "restit.", "gap %", "unit")
 
 def headline(kind: str, width: int) -> str:
     """Headline of the lines of one kind of trial, which begin with a name `width` wide."""
-    heads = {"shot": SHOT_HEADS, "pair": PAIR_HEADS}.get(kind, DROP_HEADS)
+    heads, _ = columns_of(kind)
     return f"{'trial':<{width}}  {'kind':<6} {'n':>2}  {_columns(heads)}  status"
+
+
+def columns_of(kind: str) -> tuple[Sequence[str], Callable[[Row], list[str]]]:
+    """Give the headings of one kind's columns, and what writes a row's cells."""
+    others = {"shot": (SHOT_HEADS, _shot_columns), "pair": (PAIR_HEADS, _pair_columns)}
+    return others.get(kind, (DROP_HEADS, _drop_columns))
 
 
 def name_width(names: Iterable[str]) -> int:
@@ -44,7 +50,7 @@ def progress(items: Iterable[Item], total: int, what: str, *, quiet: bool) -> Ge
 
 def impact_lines(record: Record, width: int) -> Iterator[str]:
     """Give one line for each impact of a trial, in the columns of its kind's `headline`."""
-    columns = {"shot": _shot_columns, "pair": _pair_columns}.get(record.kind, _drop_columns)
+    _, columns = columns_of(record.kind)
     for row in record.rows:
         start = f"{record.name:<{width}}  {record.kind:<6} {row['impact']:>2}"
         yield f"{start}  {_columns(columns(row))}  {row['status']}"

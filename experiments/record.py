@@ -62,17 +62,17 @@ def told_of(trial: Trial, *, overlays: bool) -> dict[str, Any]:
     except OSError:
         return {}
     known = asdict(trial) | {"video": trial.video.name, "sha256": content, "overlays": overlays}
-    return dict(json.loads(json.dumps(known | {"version": version("impactlab")})))
+    return dict(json.loads(json.dumps(known | {"version": version("impactlab")}, sort_keys=True)))
 
 
 def lost_record(trial: Trial, reason: str) -> Record:
     """Give the record of a trial whose work was lost."""
-    return Record(name=trial.name, kind=trial.kind, told={}, rows=_plain([failed_row(trial, reason)]))
+    return Record(name=trial.name, kind=trial.kind, told={}, rows=plain([failed_row(trial, reason)]))
 
 
 def write_record(record: Record, out: Path) -> Record:
     """Write a record to its place in `out`, and give it as it will be read again."""
-    text = json.dumps(_plain(asdict(record)), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(plain(asdict(record)), indent=1, ensure_ascii=False, allow_nan=False)
     write_whole(_place(out, record.name), text + "\n")
     return Record(**json.loads(text))
 
@@ -117,12 +117,12 @@ def _place(out: Path, name: str) -> Path:
     return out / FOLDER / f"{name}.json"
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Turn numbers of any make into those of JSON, which has no NaN."""
     if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if value is None or isinstance(value, (str, bool)):
         return value
     if isinstance(value, Integral):

@@ -1,9 +1,9 @@
-"""The verb `process`: recordings in; trials.csv, tracks and overlays out."""
+"""The verb `process`: recordings in; trials.csv, tracks, overlays and a report out."""
 
 import json
 import os
 from collections.abc import Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,10 +61,13 @@ def process(
     ] = False,
     timeout: Annotated[float | None, typer.Option(help="Seconds a recording may take.")] = None,
     memory: Annotated[float | None, typer.Option(help="GB a recording may take (Linux).")] = None,
+    cluster: Annotated[
+        str | None, typer.Option(help="Dask scheduler, tcp://host:port, whose workers do the work.")
+    ] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Measure recordings: velocities before and after each impact, into trials.csv, tracks/, overlays/."""
+    """Measure recordings: velocities before and after each impact; write trials.csv and report.html."""
     from experiments.apart import Limits
     from experiments.batch import Batch
     from experiments.experiment import collect_trials
@@ -85,13 +88,16 @@ def process(
         overlays=overlays,
         resume=resume,
         limits=Limits(timeout=timeout, memory=memory),
+        cluster=cluster,
     )
-    if measure(trials, batch, quiet=quiet, as_json=as_json):
-        raise typer.Exit(SOME_FAILED)
+    code = measure(trials, batch, quiet=quiet, as_json=as_json)
+    leave_report(out, "process", quiet=quiet)
+    if code:
+        raise typer.Exit(code)
 
 
 def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: bool = False) -> int:
-    """Process trials, print a line an impact, or all rows as JSON; give the number of trials that failed."""
+    """Process trials, print a line an impact, or all rows as JSON; give the exit code."""
     from experiments import console
     from experiments.batch import in_order, process_all
 
@@ -109,13 +115,30 @@ def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: 
                 for line in () if quiet else console.complaints(record):
                     typer.echo(line, err=True)
     except KeyboardInterrupt:
-        typer.echo(f"impactlab: stopped with {len(records)} of {total} trials; go on with --resume", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        typer.echo("impactlab: stopped; what is finished is kept, go on with --resume", err=True)
+        return INTERRUPTED
     if as_json:
-        typer.echo(
-            json.dumps([row for record in records for row in record.rows], ensure_ascii=False, indent=1)
-        )
-    return sum(any(row["status"] == "failed" for row in record.rows) for record in records)
+        print_json([row for record in records for row in record.rows])
+    failed = any(row["status"] == "failed" for record in records for row in record.rows)
+    return SOME_FAILED if failed else 0
+
+
+def print_json(results: object) -> None:
+    """Print results for machines."""
+    typer.echo(json.dumps(results, ensure_ascii=False, indent=1))
+
+
+def leave_report(out: Path, verb: str, *, quiet: bool) -> None:
+    """Write down how the command was called, and the page of what lies in `out`, if anything does."""
+    from experiments.experiment import ExperimentError
+    from experiments.provenance import write_command
+    from experiments.report import write_report
+
+    write_command(out, verb)
+    with suppress(ExperimentError):
+        page = write_report(out)
+        if not quiet:
+            typer.echo(f"report: {page}", err=True)
 
 
 def show(record: "Record", headline: str, width: int) -> str:

@@ -23,6 +23,8 @@ GIANTS = {
     "matplotlib": ("experiments/",),
     "typer": ("experiments/",),
     "joblib": ("experiments/",),
+    "distributed": ("experiments/cluster.py",),
+    "jinja2": ("experiments/report/",),
     "pandas": ("calibrate/", "experiments/"),
 }
 TOP = {

@@ -2,11 +2,8 @@
 
 import json
 import os
-import random
 import signal
-import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,10 +26,6 @@ FREE = Limits()
 
 def trial_of(video: Path, name: str = "") -> Trial:
     return Trial(name=name or video.stem, video=video, kind="plate", bodies=BALL)
-
-
-def left_over(out: Path) -> list[Path]:
-    return [path for path in out.rglob(".*") if path.is_file()]
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -96,6 +89,15 @@ def test_what_is_finished_is_kept_and_what_changed_is_done_again(plate_clip: Cli
     assert (tmp_path / "overlays" / f"{trial.name}.png").is_file()
 
 
+def test_a_trial_out_of_time_is_a_failed_row_and_is_tried_again(plate_clip: Clip, tmp_path: Path) -> None:
+    batch = Batch(out=tmp_path, limits=Limits(timeout=0.01), overlays=False)
+    (record,) = process_all([trial_of(plate_clip.path)], batch)
+    assert record.rows[0]["status"] == "failed"
+    assert "plate-00.mp4: it took longer than 0.01 s" in (tmp_path / "trials.csv").read_text()
+    (again,) = process_all([trial_of(plate_clip.path)], Batch(out=tmp_path, resume=True, overlays=False))
+    assert again.rows[0]["status"] == "ok"
+
+
 def test_every_option_and_the_content_tell_one_trial_from_another(tmp_path: Path) -> None:
     video = tmp_path / "drop.mp4"
     video.write_bytes(b"a film")
@@ -127,6 +129,14 @@ def test_only_what_a_killed_process_left_of_these_trials_is_swept(tmp_path: Path
     assert {path.name for path in folder.iterdir()} == set(names[1:])
 
 
+def test_a_cluster_that_does_not_answer_is_said(plate_clip: Clip, tmp_path: Path) -> None:
+    batch = Batch(out=tmp_path, cluster="nonsense://127.0.0.1:1")
+    with pytest.raises(
+        ExperimentError, match=r"cluster: (no scheduler answers at nonsense|needs the package)"
+    ):
+        list(process_all([trial_of(plate_clip.path)], batch))
+
+
 def test_patterns_stand_for_the_files_they_match_in_order(tmp_path: Path) -> None:
     for name in ("b.mp4", "a.mp4", "c.mov", "[d].mp4"):
         (tmp_path / name).touch()
@@ -135,93 +145,3 @@ def test_patterns_stand_for_the_files_they_match_in_order(tmp_path: Path) -> Non
     assert [t.name for t in collect_trials([f"{tmp_path}/[d].mp4"], **told)] == ["[d]"]  # type: ignore[arg-type]
     with pytest.raises(ExperimentError, match=r"x\*.mp4: no file matches this pattern"):
         collect_trials([tmp_path / "x*.mp4"], kind="plate", bodies=BALL, camera=Camera())
-
-
-def started(folder: Path, out: Path, *words: str) -> "subprocess.Popen[bytes]":
-    """Run the command on a folder of drops."""
-    program = "import sys; from experiments.cli import main; main()"
-    command = [
-        "process",
-        str(folder),
-        "--kind",
-        "plate",
-        "--ball-diameter",
-        "0.04",
-        "--out",
-        str(out),
-        *words,
-    ]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    return subprocess.Popen(
-        [sys.executable, "-c", program, *command, "--workers", "2", "--quiet"],
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-    )
-
-
-def finished(folder: Path, out: Path, *words: str) -> int:
-    """Run the command to its end, give its exit code."""
-    run = started(folder, out, *words)
-    run.communicate()
-    return run.returncode
-
-
-@pytest.fixture(scope="module")
-def folder(plate_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Four recordings, one of them cut short."""
-    folder = tmp_path_factory.mktemp("drops")
-    content = plate_clip.path.read_bytes()
-    for name in "abc":
-        (folder / f"{name}.mp4").write_bytes(content)
-    (folder / "cut.mp4").write_bytes(content[:9000])
-    return folder
-
-
-@pytest.fixture(scope="module")
-def whole(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """The table of a run that nobody disturbs."""
-    out = tmp_path_factory.mktemp("whole")
-    assert finished(folder, out) == 1
-    return (out / "trials.csv").read_bytes()
-
-
-def records_in(out: Path) -> list[Path]:
-    return list((out / "trials").glob("[!.]*.json"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
-def test_a_killed_run_goes_on_to_the_same_table(
-    folder: Path, whole: bytes, tmp_path: Path, seed: int
-) -> None:
-    moments = random.Random(seed)
-    for _ in range(2):
-        run = started(folder, tmp_path, "--resume")
-        time.sleep(moments.uniform(0.5, 12))
-        run.kill()
-        run.communicate()
-    assert all(json.loads(path.read_text())["rows"] for path in records_in(tmp_path))
-    if (tmp_path / "trials.csv").exists():
-        assert (tmp_path / "trials.csv").read_bytes() == whole
-    assert finished(folder, tmp_path, "--resume") == 1
-    assert (tmp_path / "trials.csv").read_bytes() == whole
-    assert left_over(tmp_path) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
-    folder: Path, tmp_path: Path, ending: signal.Signals
-) -> None:
-    run = started(folder, tmp_path)
-    while not records_in(tmp_path):
-        time.sleep(0.02)
-    time.sleep(0.5)
-    run.send_signal(ending)
-    _, complaint = run.communicate()
-    assert run.returncode == 130
-    assert b"of 4 trials; go on with --resume" in complaint
-    assert 1 <= len(records_in(tmp_path)) < 4
-    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + len(records_in(tmp_path))
-    assert left_over(tmp_path) == []

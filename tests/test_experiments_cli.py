@@ -51,7 +51,7 @@ def test_help_loads_nothing_heavy() -> None:
     assert printed.strip() == ""
 
 
-@pytest.mark.parametrize("verb", ["demo", "process", "fit", "figures", "simulate"])
+@pytest.mark.parametrize("verb", ["demo", "process", "fit", "report", "figures", "simulate"])
 def test_every_verb_has_help_with_an_example(verb: str) -> None:
     path = [verb, "drop"] if verb == "simulate" else [verb]
     result = impactlab(*path, "--help")
@@ -120,6 +120,8 @@ def test_fit_refuses_impossible_options(
         ([__file__, "--kind", "sideways"], "kind must be one of"),
         ([__file__, "--kind", "plate", "--capture-fps", "-240"], "capture_fps"),
         ([__file__, "--kind", "plate", "--workers", "0"], "workers"),
+        ([__file__, "--kind", "plate", "--timeout", "-1"], "timeout must be positive"),
+        ([__file__, "--kind", "plate", "--memory", "0.1"], "memory"),
     ],
 )
 def test_process_refuses_wrong_use(arguments: list[str], words: str, tmp_path: Path) -> None:
@@ -133,11 +135,19 @@ def test_process_fails_a_trial_that_is_no_video_and_writes_the_row(tmp_path: Pat
     assert "failed" in (tmp_path / "trials.csv").read_text()
 
 
+def test_process_prints_its_rows_as_json_and_nothing_else(tmp_path: Path) -> None:
+    result = impactlab("process", __file__, "--kind", "plate", "--json", "--out", tmp_path)
+    (row,) = json.loads(result.stdout)
+    assert (row["status"], row["approach_velocity"]) == ("failed", None)
+    assert result.exit_code == 1
+    assert "not a video" in result.stderr
+
+
 def test_process_heads_each_kind_with_its_own_columns(tmp_path: Path) -> None:
     named = ["--kind", "shot", "--no-overlays", "--out", tmp_path]
     result = impactlab("process", __file__, *named)
     assert result.stdout.split()[:5] == ["trial", "kind", "n", "speed", "direction"]
-    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv", "trials"}
+    assert {path.name for path in tmp_path.iterdir()} == {"trials.csv", "trials", "run.json", "report.html"}
 
 
 def test_figures_print_ours_beside_the_printed_numbers(tmp_path: Path) -> None:
