@@ -15,7 +15,7 @@ from tracking.render import DropScene, frames, write_recording
 from tracking.render_stage import build_stage
 from tracking.video import open_recording, read_frames
 
-SMALL = replace(drop(8, 1, shading=0.0), drop_height=0.06, after=0.06)
+SMALL = drop(8, 1, shading=0.0)
 FALLING = np.array([30])
 
 

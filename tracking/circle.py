@@ -30,7 +30,7 @@ MAXIMUM_ITERATIONS = 12
 SETTLED_PX = 2e-3
 MINIMUM_ARC = np.deg2rad(120)
 MINIMUM_INLIERS = 0.4
-ALIKE_PX = 1.2  # rays that meet the rim closer to each other see the same noise
+ALIKE_PX = 1.8  # rays that meet the rim closer to each other see the same noise
 SECTOR = np.deg2rad(15)  # of a rim counts as seen where one of its rays meets an edge
 _ANGLES: FloatArray = np.arange(RAYS, dtype=np.float64) * (2 * np.pi / RAYS)
 _DIRECTIONS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))

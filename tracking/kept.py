@@ -17,9 +17,7 @@ COARSE = 4  # pixels from one that is looked at to the next
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
-LINGERING = (
-    5  # frames for which a place is kept: a ball that comes to where the picture shows one hides there
-)
+LINGERING = 16  # frames for which a place that changed is kept: a ball may pass where the picture shows one
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone

@@ -1,0 +1,168 @@
+"""How the levels of a lit ball fall off towards its rim, and what pictures tell of that.
+
+Towards its rim a lit ball darkens as the root of the depth inside, because its surface turns away. An edge
+found where the levels change most is drawn inwards by that, on the bright side and the dark side differently.
+Here the levels on each ray are
+
+    outer (1 - C(u)) + inner (C(u) + shading T(u)),     u: distance from the rim, outwards
+
+with C the share of ball in a blurred pixel and T the blurred sqrt(1 - r²/R²). Outer and inner level are free
+on every ray and in every colour; blur and shading are one `Limb` for all pictures of a ball. Where the ball
+is darker than on average it faces away from the lamp and its light falls off less (Lambert's law): shading is
+taken to be less there, by the square of the levels' ratio. The place of the rim follows by least squares,
+linearized about a circle found before (variable projection: Golub & Pereyra, doi:10.1137/0710036).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ndtr
+
+from tracking.circle import RAYS
+from tracking.planes import Image
+
+FloatArray = npt.NDArray[np.float64]
+
+TWINS = 2  # rays side by side that make one of a rim's: they miss no pixel of a ball up to 60 px wide
+SAMPLES = 15  # on a ray
+REACH_PX = 2.5  # from the rim, and half the way during the exposure
+DEEPEST = 0.7  # radii
+TOGETHER = 64  # pictures at a time: more would only need more memory
+SMALL = 0.02  # difference for slopes
+LEAST_LEFT = 1.0
+SLOPES = ("shift", "blur", "shading")
+COLOURS = 3
+_SPREAD = (np.arange(TWINS) - (TWINS - 1) / 2) / TWINS
+ANGLES: FloatArray = ((np.arange(RAYS)[:, None] + _SPREAD) * (2 * np.pi / RAYS)).ravel()
+DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+_DEPTHS = np.linspace(-6.0, 60.0, 3301)
+_BELL = np.exp(-(np.linspace(-6.0, 6.0, 601) ** 2) / 2)
+_ROOTS = np.array(
+    [np.sqrt(np.maximum(depth + np.linspace(-6.0, 6.0, 601), 0.0)) @ _BELL / _BELL.sum() for depth in _DEPTHS]
+)
+"""Mean root of a depth that is blurred by one standard deviation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limb:
+    """Blur of a ball's edge, standard deviation in px, and the share by which its light rises inwards."""
+
+    blur: float = 0.8
+    shading: float = 0.3
+
+
+class Look(NamedTuple):
+    """What all rays say about rim (px outwards), blur and shading: least squares of their levels.
+
+    `information` (n, rays, kinds, kinds) and `pull` (n, rays, kinds) of all three, or of the rim alone;
+    `variance` of the levels about the model (n, rays).
+    """
+
+    information: FloatArray
+    pull: FloatArray
+    variance: FloatArray
+
+    @property
+    def weights(self) -> FloatArray:
+        """One over the variance, none better than the middle one of its picture: (n, rays)."""
+        return np.asarray(1 / np.maximum(self.variance, np.median(self.variance, axis=1, keepdims=True)))
+
+
+def look(images: Sequence[Image], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1) -> Look:
+    """Compare the levels along all rays with the model, linearized about the circles at `places`."""
+    count = (len(images), len(ANGLES))
+    seen = Look(np.zeros((*count, kinds, kinds)), np.zeros((*count, kinds)), np.full(count, np.inf))
+    radius = float(np.median(places[:, 2])) if len(places) else 1.0
+    ways = np.round(blur)
+    for way in np.unique(ways):
+        model = _model(limb, radius, float(way), kinds)
+        members = np.flatnonzero(ways == way)
+        for first in range(0, len(members), TOGETHER):
+            some = members[first : first + TOGETHER]
+            levels = np.array([_levels(images[i], places[i], model.offsets) for i in some])
+            for whole, part in zip(seen, _compare(model, levels, kinds), strict=True):
+                whole[some] = part
+    return seen
+
+
+class _Model(NamedTuple):
+    """The model of one limb, linearized: what to multiply the levels on each ray with.
+
+    `offsets` (samples,) are distances from the rim, px. `rows` (rays, 4 + 2 kinds, samples) give outer and
+    inner level, the levels' share within the model, and what is left along the slopes of either level's shape
+    by rim, blur and shading, or by the rim alone. `gram` (rays, 4, kinds²) are the products of those slopes.
+    `light` (rays, samples) is shading · T.
+    """
+
+    offsets: FloatArray
+    rows: npt.NDArray[np.float32]
+    gram: npt.NDArray[np.float32]
+    light: npt.NDArray[np.float32]
+
+
+def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
+    """Make the model of a ball of some radius that goes some way up or down during the exposure, px."""
+    reach = min(REACH_PX + way / 2, DEEPEST * radius)
+    offsets = np.linspace(-reach, reach, SAMPLES)
+    smeared = way * np.abs(DIRECTIONS[:, 1:]) / np.sqrt(12)
+
+    def basis(shift: float = 0.0, blur: float = 0.0, shading: float = 0.0) -> FloatArray:
+        width = np.hypot(limb.blur + blur, smeared)
+        return _shapes(offsets - shift, width, limb.shading + shading, radius)
+
+    slopes = np.stack(
+        [(basis(**{name: SMALL}) - basis(**{name: -SMALL})) / (2 * SMALL) for name in SLOPES[:kinds]],
+        axis=1,
+    )
+    within, upper = np.linalg.qr(basis())
+    left = slopes - (within @ np.swapaxes(within, 1, 2))[:, None] @ slopes
+    flat = np.moveaxis(left, 2, 3).reshape(len(ANGLES), -1, SAMPLES)
+    across = np.swapaxes(within, 1, 2)
+    rows = np.concatenate((np.linalg.solve(upper, across), across, flat), axis=1).astype(np.float32)
+    gram = (flat @ np.swapaxes(flat, 1, 2)).reshape(-1, kinds, 2, kinds, 2)
+    gram = gram.transpose(0, 2, 4, 1, 3).reshape(-1, 4, kinds**2).astype(np.float32)
+    light = (basis()[..., 1] - basis(shading=-limb.shading)[..., 1]).astype(np.float32)
+    return _Model(offsets=offsets, rows=rows, gram=gram, light=light)
+
+
+def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: float) -> FloatArray:
+    """Give what outer and inner level are multiplied with along each ray: (rays, samples, 2)."""
+    depth = -offsets / width
+    ball = ndtr(depth)
+    bend = np.sqrt(1 - np.clip(-offsets, 0, radius) / (2 * radius))
+    light = np.sqrt(2 * width / radius) * np.interp(depth, _DEPTHS, _ROOTS) * bend
+    return np.stack((1 - ball, ball + shading * light), axis=-1)
+
+
+def _levels(image: Image, place: FloatArray, offsets: FloatArray) -> npt.NDArray[np.float32]:
+    """Levels (rays, samples, colours) along the rays of one circle; NaN on rays that leave the picture."""
+    distances = place[2] + offsets
+    x, y = ((place[axis] + DIRECTIONS[:, axis, None] * distances).astype(np.float32) for axis in (0, 1))
+    levels = cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+    height, width = image.shape[:2]
+    levels[((x < 0) | (y < 0) | (x > width - 1) | (y > height - 1)).any(axis=1)] = np.nan
+    return levels
+
+
+def _compare(model: _Model, levels: npt.NDArray[np.float32], kinds: int) -> Look:
+    """Compare levels (n, rays, samples, colours) with the model."""
+    inside = np.isfinite(levels[:, :, 0, 0])
+    levels = np.where(inside[..., None, None], levels, np.float32(0))
+    inner = (model.rows[:, 1:2] @ levels)[:, :, 0]
+    facing = np.clip(inner / np.maximum(inner.mean(axis=1, keepdims=True), 1), 0, 1) ** 2
+    levels = levels + (inner * (1 - facing))[:, :, None] * model.light[..., None]
+    products = model.rows @ levels
+    ends, share = products[:, :, :2], products[:, :, 2:4]
+    along = products[:, :, 4:].reshape(*products.shape[:2], kinds, 2, COLOURS)
+    pairs = (ends @ np.swapaxes(ends, 2, 3)).reshape(*products.shape[:2], 1, 4)
+    left = np.einsum("nrsc,nrsc->nr", levels, levels) - np.einsum("nrsc,nrsc->nr", share, share)
+    variance = np.maximum(left, LEAST_LEFT) / (COLOURS * (SAMPLES - 2))
+    return Look(
+        information=(pairs @ model.gram).reshape(*products.shape[:2], kinds, kinds),
+        pull=(ends[:, :, None] * along).sum(axis=(3, 4)),
+        variance=np.where(inside, variance, np.inf),
+    )
