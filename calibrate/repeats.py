@@ -24,7 +24,7 @@ ASSUMED_SCATTER = 0.02
 FINEST_SCATTER = 0.001
 """Relative; no speed ratio is believed to repeat better, however well a few trials happen to agree."""
 
-_SLOWEST = 0.05  # speed ratio below which scatter falls no further: cameras see slow balls no better
+_SLOWEST = 0.02  # speed ratio below which scatter falls no further: cameras see slow balls no better
 _HIGHEST_CORRELATION = (
     0.999  # of two numbers; two different trials, each seen twice, would show a perfect one
 )
