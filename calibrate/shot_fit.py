@@ -15,7 +15,8 @@ from calibrate.estimate import Estimate
 from calibrate.evolution import evolve
 from calibrate.files import write_whole
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, verdict
-from calibrate.shots import Shots, observed_shots
+from calibrate.shot_table import observed_shots
+from calibrate.shots import Shots
 from impact import Ball, Cue
 
 Array = NDArray[np.float64]
@@ -90,7 +91,7 @@ def fit_shot(
     Parameters
     ----------
     trials : pandas.DataFrame
-        As `read_trials` or `check_trials` returns it; for columns see `calibrate.shots`.
+        As `read_trials` or `check_trials` returns it; for columns see `calibrate.shot_table`.
     ball, cue : Ball, Cue
         The ball and the stick.
     fixed : mapping of str to float, optional

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 from calibrate import TrialTableError, check_trials, fit_shot
-from calibrate.shots import AIM, observed_shots
+from calibrate.shot_table import observed_shots
+from calibrate.shots import AIM
 from calibrate.simulate_shots import simulate_shots
 from calibrate.trials import write_trials
 from experiments.cli import app
