@@ -40,7 +40,7 @@ def equivalent_chi_square(white: Array, freedom: float) -> Array:
 
 
 def at_least(spread: Array, floor: Array) -> Array:
-    """Raise the variances of a spread (p, p) to a floor (p,), and doubt correlations from so little spread."""
+    """Raise the variances of a spread (p, p) to a floor (p,); from so little no correlation is believed."""
     variances = np.diagonal(spread)
     if np.all(variances >= floor):
         strict = _HIGHEST_CORRELATION * spread

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from calibrate.bootstrap import bootstrap
 from calibrate.fit import fit_stiffness_ratio
 from calibrate.simulate import Design, simulate_trials
 from experiments.aim import struck_normal
@@ -22,6 +23,7 @@ from impact import Contact, Cue, CueShot, collide, collide_many
 Array = NDArray[np.float64]
 
 CASES = 10_000
+REFITS = 50
 REPEATS = 5  # the fastest counts: what disturbs a program only ever makes it slower
 FIRST_CALL = """
 import time
@@ -143,11 +145,15 @@ def compilation() -> Iterator[Measured]:
 
 
 def calibration() -> Iterator[Measured]:
-    """Time the whole fit with its profile from 1e-3 to 1e3, two mass pairs."""
+    """Time the whole fit with its profile from 1e-3 to 1e3, two mass pairs, and refits of a bootstrap."""
     trials = simulate_trials(TRUTH, Design(), np.random.default_rng(2008))
-    fit_stiffness_ratio(trials)
+    fitted = fit_stiffness_ratio(trials)
     seconds = fastest(lambda: fit_stiffness_ratio(trials), repeats=3)
     yield Measured(quantity="fit with profile 1e-3 … 1e3, two mass pairs", value=seconds, unit="s", most=2)
+    start = time.perf_counter()
+    bootstrap(trials, fitted, np.random.default_rng(2008), times=REFITS // 2)
+    each = (time.perf_counter() - start) / REFITS
+    yield Measured(quantity=f"1000 bootstrap fits, from {REFITS} timed", value=1000 * each, unit="s", most=60)
 
 
 def ordinary_shot() -> CueShot:
