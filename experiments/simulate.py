@@ -49,9 +49,7 @@ def drop(
         save_figure(draw(curve), plot)
 
 
-@simulate.command(
-    epilog="Example: impactlab simulate trials --mass-ratio 1 --mass-ratio 2 --out pairs.csv"
-)
+@simulate.command(epilog="Example: impactlab simulate trials --mass-ratio 1 --mass-ratio 2 --out pairs.csv")
 @verb
 def trials(
     out: Annotated[Path, typer.Option(help="Table to write, for impactlab fit.")] = Path("simulated.csv"),
