@@ -99,4 +99,4 @@ class Misfit:
 def _plausible(drops: Repeats | None) -> Array:
     if drops is None:
         return np.linspace(0.1, 0.98, 9)
-    return np.clip(drops.means[0, 0] + drops.mean_sd() * np.array(_STRAY), 0.0, 1.0)
+    return np.asarray(np.clip(drops.means[0, 0] + drops.mean_sd() * np.array(_STRAY), 0.0, 1.0))
