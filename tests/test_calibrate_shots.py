@@ -66,6 +66,21 @@ def test_raised_shots_give_all_five_parameters_back(seed: int) -> None:
 
 
 @pytest.mark.slow
+def test_the_95_percent_sets_of_shots_hold_the_truth() -> None:
+    correlation = np.eye(4)
+    correlation[0, 3] = correlation[3, 0] = 0.6  # spin is read from how the velocity changes
+    correlation[1, 2] = correlation[2, 1] = -0.6
+    held = []
+    for seed in range(20):
+        generator = np.random.default_rng(1000 + seed)
+        aimed = aims(6, generator, True)
+        table = simulate_shots(TRUTH, aimed, (BALL, CUE), generator, correlation=correlation)
+        for name, estimate in fit_shot(table, ball=BALL, cue=CUE).estimates.items():
+            held.append(any(low <= TRUTH[name] <= high for low, high in estimate.intervals_95))
+    assert 0.88 <= np.mean(held) <= 0.99
+
+
+@pytest.mark.slow
 def test_level_low_shots_tell_nothing_of_the_cloth_and_say_so() -> None:
     fitted = fit_shot(shots(8, raised=False), ball=BALL, cue=CUE)
     assert fitted.estimates["tip_ball_restitution"].verdict == "one value"
