@@ -1,6 +1,6 @@
 """Least squares over a few bounded parameters, from many starts side by side, and a profile over each."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,9 @@ _STEP = 1e-5  # of a parameter's range, for slopes
 _WIDE_POINTS = 9  # of a profile, over the whole range
 _NEAR_POINTS = 9  # and around the best value
 _NEAR = 5.0  # standard deviations to each side
-_STUCK = 1e6  # damping at which a search stands at a jump
+_STUCK = 1e3  # damping at which a search stands at a jump
+_HALVINGS = 3  # of the gaps in which a profile crosses a limit
+_NEARBY, _TRIES = 60, 2  # places seen that count as near to a value, and how many of these are tried
 _WORTH_A_LOOK = 30.0  # how far above the best fit a profile is still followed
 
 
@@ -93,25 +95,30 @@ def descend(box: Box, start: Array, held: int | None = None, ceiling: float = np
     """
     free = [column for column in box.free if column != held]
     at, residuals = start.copy(), box.residuals(start)
+    if not free or not len(at):
+        return at, np.asarray(np.sum(residuals**2, axis=1))
     damping, going = np.full(len(at), 1e-3), np.arange(len(at))
-    for _ in range(_ROUNDS if free else 0):
-        if not going.size:
-            break
-        slopes = _slopes(box, at[going], residuals[going], free)
-        step, promised = _step(slopes, residuals[going], damping[going])
+    slopes = _slopes(box, at, residuals, free)
+    for _ in range(_ROUNDS):
+        step, promised = _step(slopes[going], residuals[going], damping[going])
         before = np.sum(residuals[going] ** 2, axis=1)
         worth = (promised > _ARRIVED) & (before - promised < ceiling) & (damping[going] < _STUCK)
         going, step, before = going[worth], step[worth], before[worth]
+        if not going.size:
+            break
         trial = at[going].copy()
         trial[:, free] = np.clip(trial[:, free] + step, box.low[free], box.high[free])
-        after = box.residuals(trial) if going.size else residuals[going]
+        after = box.residuals(trial)
         better = np.sum(after**2, axis=1) < before
-        at[going[better]], residuals[going[better]] = trial[better], after[better]
+        moved = going[better]
+        at[moved], residuals[moved] = trial[better], after[better]
+        if moved.size:
+            slopes[moved] = _slopes(box, at[moved], residuals[moved], free)
         damping[going] *= np.where(better, 0.1, 20.0)
     return at, np.asarray(np.sum(residuals**2, axis=1))
 
 
-def profile(box: Box, column: int, best: Array, starts: Array) -> Curve:
+def profile(box: Box, column: int, best: Array, seen: Array, limits: Sequence[float]) -> Curve:
     """Refit all other parameters at many values of one.
 
     Parameters
@@ -122,27 +129,52 @@ def profile(box: Box, column: int, best: Array, starts: Array) -> Curve:
         Of the parameter.
     best : ndarray (P,)
         The best fit.
-    starts : ndarray (N, P)
-        Other places to start from; the one nearest to each value is tried.
+    seen : ndarray (N, P)
+        Other places to start from, best first: the first few near to each value are tried.
+    limits : sequence of float
+        Rises of chi-square whose places are wanted closely.
     """
-    value = _values(box, column, best)
     ceiling = float(box.chi_square(best[None])[0]) + _WORTH_A_LOOK
-    nearest = starts[np.argmin(np.abs(starts[None, :, column] - value[:, None]), axis=1)]
-    tries = np.concatenate([np.tile(best, (len(value), 1)), nearest])
-    tries[:, column] = np.tile(value, 2)
-    both, heights = descend(box, tries, held=column, ceiling=ceiling)
-    second = heights[len(value) :] < heights[: len(value)]
-    ends = np.where(second[:, None], both[len(value) :], both[: len(value)])
-    chi_square = np.minimum(heights[: len(value)], heights[len(value) :])
-    for shift in (1, -1):
-        rows = np.flatnonzero(np.roll(chi_square, shift) < np.minimum(chi_square, ceiling))
-        if rows.size:
-            neighbours = np.roll(ends, shift, axis=0)[rows]
-            neighbours[:, column] = value[rows]
-            tried, found = descend(box, neighbours, held=column, ceiling=ceiling)
-            lower = found < chi_square[rows]
-            ends[rows[lower]], chi_square[rows[lower]] = tried[lower], found[lower]
-    return Curve(value=value, chi_square=chi_square)
+    starts = _beginnings(_values(box, column, best), column, best, seen)
+    ends, heights = _best_ends(column, *descend(box, starts, held=column, ceiling=ceiling))
+    ends, heights = _shared(box, column, (ends, heights), ceiling)
+    for _ in range(_HALVINGS):
+        above = heights[:, None] > heights.min() + np.array(limits)
+        gaps = np.flatnonzero((above[1:] != above[:-1]).any(axis=1))
+        middle = (ends[gaps, column] + ends[gaps + 1, column]) / 2
+        beside = np.concatenate([ends[gaps], ends[gaps + 1]])
+        beside[:, column] = np.tile(middle, 2)
+        starts = np.concatenate([beside, _beginnings(middle, column, best, seen)])
+        found, lowest = descend(box, starts, held=column, ceiling=ceiling)
+        ends, heights = _best_ends(column, np.concatenate([ends, found]), np.concatenate([heights, lowest]))
+    return Curve(value=ends[:, column], chi_square=heights)
+
+
+def _beginnings(value: Array, column: int, best: Array, seen: Array) -> Array:
+    """Places to start from at each value of a column: the best fit, and the first seen of those nearby."""
+    apart = np.abs(seen[:, column] - value[:, None])
+    nearby = np.sort(np.argsort(apart, axis=1, kind="stable")[:, :_NEARBY], axis=1)[:, :_TRIES]
+    starts = np.concatenate([np.tile(best, (len(value), 1)), seen[nearby.T.ravel()]])
+    starts[:, column] = np.tile(value, 1 + nearby.shape[1])
+    return starts
+
+
+def _shared(box: Box, column: int, found: tuple[Array, Array], ceiling: float) -> tuple[Array, Array]:
+    """Try the end at each value of a column at its neighbours, too."""
+    ends, heights = found
+    for shift in (1, -1, 1, -1):
+        rows = np.flatnonzero(np.roll(heights, shift) < np.minimum(heights, ceiling))
+        neighbours = np.roll(ends, shift, axis=0)[rows]
+        neighbours[:, column] = ends[rows, column]
+        tried, lowest = descend(box, neighbours, held=column, ceiling=ceiling)
+        ends, heights = _best_ends(column, np.concatenate([ends, tried]), np.concatenate([heights, lowest]))
+    return ends, heights
+
+
+def _best_ends(column: int, ends: Array, heights: Array) -> tuple[Array, Array]:
+    order = np.lexsort((heights, ends[:, column]))
+    _, first = np.unique(ends[order, column], return_index=True)
+    return ends[order[first]], heights[order[first]]
 
 
 def _values(box: Box, column: int, best: Array) -> Array:

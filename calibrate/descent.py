@@ -62,12 +62,14 @@ class Trace:
 
 def search(misfit: Misfit, log_ratio: Array, ceiling: Array | float = np.inf) -> Trace:
     """Descend, at every ratio, from the most plausible restitutions; `ceiling` as for `descend`."""
+    return descend(misfit, log_ratio, promising(misfit, log_ratio), ceiling)
+
+
+def promising(misfit: Misfit, log_ratio: Array) -> Array:
+    """Pick, for each ratio, the best of the plausible restitutions, (G, 2)."""
     seeds = misfit.likely_restitutions()
-    start = np.tile(seeds[0], (len(log_ratio), 1))
-    if len(seeds) > 1:
-        net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
-        start = seeds[np.argmin(net.reshape(len(log_ratio), len(seeds)), axis=1)]
-    return descend(misfit, log_ratio, start, ceiling)
+    net = misfit.chi_square(np.repeat(log_ratio, len(seeds)), np.tile(seeds, (len(log_ratio), 1)))
+    return np.asarray(seeds[np.argmin(net.reshape(len(log_ratio), len(seeds)), axis=1)])
 
 
 def search_from_each(misfit: Misfit, log_ratio: Array, starts: Sequence[Array]) -> Trace:

@@ -1,5 +1,7 @@
 """Differential evolution over a few bounded parameters: it finds its way across jumps, as no descent does."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
@@ -8,46 +10,59 @@ from calibrate.box import Box
 
 Array = NDArray[np.float64]
 
+_POPULATION = 12  # for each free parameter
 _GENERATIONS = 60
 _MUTATION = (0.4, 0.9)
-_SAME = 1e-3  # spread of chi-square over the population, relative, at which all have met
+_FAR = 5.0  # standard deviations from which on a residual counts less: beyond a jump all are far
 
 
-def evolve(box: Box, start: Array, seed: int = 0) -> Array:
-    """Let a population of parameters evolve towards small chi-square.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evolved:
+    """What a population saw: its last generation (N, P) and every point tried (M, P), both best first."""
+
+    population: Array
+    tried: Array
+
+
+def evolve(box: Box, start: Array, seed: int = 0) -> Evolved:
+    """Let a population of parameters evolve towards small residuals.
 
     Parameters
     ----------
     box : Box
         What to make small.
-    start : ndarray (N, P)
-        The population, five or more within the bounds; fixed columns keep what the first of them holds.
+    start : ndarray (P,)
+        Values of the columns that are not free.
     seed : int
         The same seed gives the same end.
-
-    Returns
-    -------
-    ndarray (N, P)
-        The last generation, best first.
     """
     free = list(box.free)
+    tried: list[Array] = []
+    costs: list[Array] = []
 
     def whole(points: Array) -> Array:
-        rows = np.tile(start[0], (len(points), 1))
+        rows = np.tile(start, (len(points), 1))
         rows[:, free] = points
         return rows
 
+    def cost(points: Array) -> Array:
+        tried.append(whole(points.T))
+        costs.append(np.sum(np.log1p((box.residuals(tried[-1]) / _FAR) ** 2), axis=1))
+        return np.asarray(costs[-1])
+
     found = differential_evolution(
-        lambda points: box.chi_square(whole(points.T)),
+        cost,
         list(zip(box.low[free], box.high[free], strict=True)),
-        init=start[:, free],
+        init="sobol",
         maxiter=_GENERATIONS,
         mutation=_MUTATION,
-        tol=_SAME,
-        seed=np.random.default_rng(seed),
         polish=False,
+        popsize=_POPULATION,
+        seed=np.random.default_rng(seed),
         updating="deferred",
         vectorized=True,
     )
-    order = np.argsort(found.population_energies, kind="stable")
-    return whole(found.population[order])
+    order, orders = (
+        np.argsort(cost, kind="stable") for cost in (found.population_energies, np.concatenate(costs))
+    )
+    return Evolved(population=whole(found.population[order]), tried=np.concatenate(tried)[orders])

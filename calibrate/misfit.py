@@ -10,6 +10,8 @@ from calibrate.repeats import Repeats
 
 Array = NDArray[np.float64]
 
+_STRAY = (0.0, -1.5, 1.5)  # standard deviations by which a restitution is tried beside its own drops' mean
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Misfit:
@@ -97,4 +99,4 @@ class Misfit:
 def _plausible(drops: Repeats | None) -> Array:
     if drops is None:
         return np.linspace(0.1, 0.98, 9)
-    return np.array([drops.means[0, 0]])
+    return np.asarray(np.clip(drops.means[0, 0] + drops.mean_sd() * np.array(_STRAY), 0.0, 1.0))

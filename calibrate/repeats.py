@@ -9,13 +9,13 @@ Student's t is the simplest case).
 """
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
 from calibrate.shared import softened
+from calibrate.small_sample import at_least, equivalent_chi_square
 
 Array = NDArray[np.float64]
 
@@ -24,10 +24,7 @@ ASSUMED_SCATTER = 0.02
 FINEST_SCATTER = 0.001
 """Relative; no speed ratio is believed to repeat better, however well a few trials happen to agree."""
 
-_SLOWEST = 0.05  # speed ratio below which scatter falls no further: cameras see slow balls no better
-_HIGHEST_CORRELATION = (
-    0.999  # of two numbers; two different trials, each seen twice, would show a perfect one
-)
+_SLOWEST = 0.02  # speed ratio below which scatter falls no further: cameras see slow balls no better
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +83,7 @@ class Repeats:
         if not np.isfinite(self.degrees_of_freedom):
             return flat
         plain = np.sum(flat**2, axis=-1)
-        scale = np.sqrt(self._equivalent_chi_square(white) / np.maximum(plain, 1e-300))
+        scale = np.sqrt(equivalent_chi_square(white, self.degrees_of_freedom) / np.maximum(plain, 1e-300))
         return np.asarray(flat * scale[..., None])
 
     def whitened(self, off: Array) -> Array:
@@ -117,23 +114,15 @@ class Repeats:
         """Chi-square that a mean so many standard deviations off amounts to, the fewer repeats the less."""
         if not np.isfinite(self.degrees_of_freedom):
             return distance**2
-        return float(self._chi_square_of(np.array(np.log1p(distance**2 / self.degrees_of_freedom))))
+        off = np.zeros(self.means.shape)
+        off[0, 0] = distance
+        return float(equivalent_chi_square(off, self.degrees_of_freedom))
 
     def _scatter(self, group: int = 0, channel: int = 0) -> float:
         return float(np.sqrt(self.covariance(group)[channel, channel] / self.weights[group]))
 
     def _common(self, group: int = 0, channel: int = 0) -> float:
         return float(np.linalg.norm(self.shared[:, group, channel])) if self.shared.size else 0.0
-
-    def _equivalent_chi_square(self, white: Array) -> Array:
-        hypothesis = np.swapaxes(white, -1, -2) @ white / self.degrees_of_freedom
-        return self._chi_square_of(np.log(np.linalg.det(np.eye(self.means.shape[1]) + hypothesis)))
-
-    def _chi_square_of(self, log_lambda: Array) -> Array:
-        abscissa, ordinate = _small_sample_law(*self.means.shape, self.degrees_of_freedom)
-        beyond = np.maximum(log_lambda - abscissa[-1], 0.0)
-        slope = (ordinate[-1] - ordinate[-2]) / (abscissa[-1] - abscissa[-2])
-        return np.asarray(np.interp(log_lambda, abscissa, ordinate) + slope * beyond)
 
 
 def known(mean: float, sd: float) -> Repeats:
@@ -183,7 +172,7 @@ def repeats_of(
     shared = None if shared is None else shared / scale[groups][:, None]
     if freedom < channels:
         spread = stated.mean(axis=0) + np.diag((ASSUMED_SCATTER * np.abs(values).mean(axis=0)) ** 2)
-        spread = _at_least(spread, np.full(channels, FINEST_SCATTER**2))
+        spread = at_least(spread, np.full(channels, FINEST_SCATTER**2))
         return _in_scale(_condensed((values, shared), weights, groups, spread, np.inf), scale)
     rough = _pooled(values, weights, groups, freedom)
     beyond = np.maximum(np.diagonal(rough) - np.diagonal(stated.mean(axis=0)), 0.0)
@@ -193,7 +182,7 @@ def repeats_of(
         np.average(np.diagonal(stated, axis1=1, axis2=2), axis=0, weights=weights), FINEST_SCATTER**2
     )
     pooled = _pooled(values, weights, groups, freedom)
-    condensed = _condensed((values, shared), weights, groups, _at_least(pooled, floor), float(freedom))
+    condensed = _condensed((values, shared), weights, groups, at_least(pooled, floor), float(freedom))
     alike = bool((np.diagonal(pooled) < floor).any())
     return replace(_in_scale(condensed, scale), too_alike=alike)
 
@@ -249,27 +238,3 @@ def _complete(stated: Array, scale: Array) -> Array:
     silent = np.asarray(np.isnan(stated).any(axis=(1, 2)))
     average = stated[~silent].mean(axis=0) if not silent.all() else np.zeros(stated.shape[1:])
     return np.where(silent[:, None, None], average, stated)
-
-
-def _at_least(spread: Array, floor: Array) -> Array:
-    """Raise variances to a floor; a correlation estimated from so little spread is not believed."""
-    variances = np.diagonal(spread)
-    if np.all(variances >= floor):
-        strict = _HIGHEST_CORRELATION * spread
-        np.fill_diagonal(strict, variances)
-        perfect = np.linalg.det(spread) < (1 - _HIGHEST_CORRELATION**2) * np.prod(variances)
-        return strict if perfect else spread
-    scale = np.sqrt(np.maximum(floor / np.maximum(variances, 1e-300), 1.0))
-    raised = spread * np.outer(scale, scale)
-    return np.diag(np.maximum(np.diagonal(raised), floor))
-
-
-@lru_cache(maxsize=64)
-def _small_sample_law(groups: int, channels: int, freedom: float) -> tuple[Array, Array]:
-    """Tabulate the chi-square as improbable as each -log(Wilks' lambda): Rao's F, exact for p = 1 and 2."""
-    abscissa = np.linspace(0.0, 8.0, 800) ** 2
-    root = np.expm1(abscissa / channels)
-    errors = freedom - channels + 1
-    tail = stats.f.sf(root * errors / groups, channels * groups, channels * errors)
-    believable = tail > 1e-250
-    return abscissa[believable], stats.chi2.isf(tail[believable], channels * groups)

@@ -30,6 +30,11 @@ class _RuleBrokenError(Exception):
     """One row breaks one rule; becomes the row's reason."""
 
 
+def correlation_column(one: str, other: str) -> str:
+    """Name the column that tells how the errors of two measured columns are correlated."""
+    return f"{one}_{other}_correlation"
+
+
 def checked_row(row: Mapping[str, object], place: str) -> dict[str, object]:
     """Judge one row of a trial table.
 

@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
-from scipy.stats import qmc
 
 from calibrate.box import Box, descend, profile
 from calibrate.estimate import Estimate
 from calibrate.evolution import evolve
 from calibrate.files import write_whole
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, verdict
-from calibrate.shots import Shots, observed_shots
+from calibrate.shot_table import observed_shots
+from calibrate.shots import Shots
 from impact import Ball, Cue
 
 Array = NDArray[np.float64]
@@ -33,12 +33,11 @@ PARAMETERS: dict[str, Interval] = {
 _NAMES = tuple(PARAMETERS)
 _RATIO = _NAMES.index("stiffness_ratio")
 _CLOTH = _NAMES.index("ball_table_friction")
-_SAMPLES = 256
-_POPULATION = 64
-_ROUGH = 0.1  # error, relative to speed, for a first look at the landscape
 _WIDEST = {"stiffness_ratio": float(np.log(4.0)), "tip_ball_friction": 0.5, "ball_table_friction": 0.3}
 _WIDEST_RESTITUTION = 0.5
 _BAD_FIT = 0.01
+_MOST_TRIES = 3
+_POLISHED = 16  # best of a population, from which it is descended
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,7 +91,7 @@ def fit_shot(
     Parameters
     ----------
     trials : pandas.DataFrame
-        As `read_trials` or `check_trials` returns it; for columns see `calibrate.shots`.
+        As `read_trials` or `check_trials` returns it; for columns see `calibrate.shot_table`.
     ball, cue : Ball, Cue
         The ball and the stick.
     fixed : mapping of str to float, optional
@@ -110,24 +109,15 @@ def fit_shot(
     shots = observed_shots(trials, ball, cue)
     free = [column for column, name in enumerate(_NAMES) if name not in fixed]
     low, high = np.array([_scaled(name, PARAMETERS[name]) for name in _NAMES]).T
-    sample = low + (high - low) * qmc.Sobol(len(_NAMES), seed=0).random(_SAMPLES)
+    start = (low + high) / 2
     for name, value in fixed.items():
-        sample[:, _NAMES.index(name)] = _scaled(name, (value, value))[0]
-    box = Box(low=low, high=high, free=tuple(free), residuals=_residuals(shots, _rough(shots)))
-    scouts = sample[np.argsort(box.chi_square(sample), kind="stable")[:_POPULATION]]
-    box = replace(box, residuals=_residuals(shots, shots.covariance(scouts[0])))
-    found = evolve(box, scouts)
-    for _ in range(2):  # the aim's share of the covariance is taken at the best fit so far
-        box = replace(box, residuals=_residuals(shots, shots.covariance(found[0])))
-        found = _lowest(box, found)
-    best = found[0]
-    smallest = float(box.chi_square(best[None])[0])
+        start[_NAMES.index(name)] = _scaled(name, (value, value))[0]
+    box = Box(low=low, high=high, free=tuple(free), residuals=_residuals(shots, shots.covariance(start)))
     measured = int(np.isfinite(shots.measured).sum()) + (shots.cloth is not None)
     freedom = measured - len(free)
-    estimates = {
-        _NAMES[column]: _estimate(box, column, best, np.concatenate([found, scouts]), freedom)
-        for column in free
-    }
+    box, best, seen = _best_of_tries(shots, box, start, freedom)
+    smallest = float(box.chi_square(best[None])[0])
+    estimates = {_NAMES[column]: _estimate(box, column, best, seen, freedom) for column in free}
     return ShotCalibration(
         estimates=estimates,
         fixed=fixed,
@@ -154,14 +144,6 @@ def _scaled(name: str, pair: Interval) -> Interval:
     return (float(np.log(pair[0])), float(np.log(pair[1]))) if name == "stiffness_ratio" else pair
 
 
-def _rough(shots: Shots) -> Array:
-    """Covariance of measurements that are rough, for spins as of the ball's surface."""
-    speed = np.hypot(shots.measured[:, 0], shots.measured[:, 1])[:, None]
-    added = _ROUGH * speed / np.array([1.0, 1.0, shots.ball.radius, shots.ball.radius])
-    variance = np.where(np.isnan(shots.measured), 1e12, shots.measured_sd**2 + added**2)
-    return np.asarray(variance[:, :, None] * np.eye(4))
-
-
 def _residuals(shots: Shots, covariance: Array) -> Callable[[Array], Array]:
     """Standardized residuals (N, R) of all shots, and of the cloth's friction, at parameters (N, 5)."""
     whiten = np.linalg.inv(np.linalg.cholesky(covariance))
@@ -177,20 +159,33 @@ def _residuals(shots: Shots, covariance: Array) -> Callable[[Array], Array]:
     return residuals
 
 
-def _lowest(box: Box, starts: Array) -> Array:
-    """Descend; keep the better half of the ends, best first."""
-    ends, chi_square = descend(box, starts)
-    return np.asarray(ends[np.argsort(chi_square, kind="stable")[: (len(ends) + 1) // 2]])
+def _best_of_tries(shots: Shots, box: Box, start: Array, freedom: int) -> tuple[Box, Array, Array]:
+    """Search until the fit is good, a few times at most.
+
+    Gives the box with the aim's share in it, the best fit (P,), and all places seen (N, P), best first.
+    """
+    tries = []
+    for seed in range(_MOST_TRIES):
+        evolved, mine = evolve(box, start, seed), box
+        ends = evolved.population[:_POLISHED]
+        for _ in range(2):  # the aim's share of the covariance is taken at the best fit so far
+            mine = replace(box, residuals=_residuals(shots, shots.covariance(ends[0])))
+            ends, chi_square = descend(mine, ends)
+            ends = ends[np.argsort(chi_square, kind="stable")[: (len(ends) + 1) // 2]]
+        tries.append((float(chi_square.min()), mine, ends[0], evolved.tried))
+        if freedom <= 0 or stats.chi2.sf(tries[-1][0], freedom) > _BAD_FIT:
+            break
+    _, box, best, seen = min(tries, key=lambda each: each[0])
+    return box, best, seen
 
 
-def _estimate(box: Box, column: int, best: Array, starts: Array, freedom: int) -> Estimate:
+def _estimate(box: Box, column: int, best: Array, seen: Array, freedom: int) -> Estimate:
     name = _NAMES[column]
-    curve = profile(box, column, best, starts)
-    smallest = float(curve.chi_square.min())
+    smallest = float(box.chi_square(best[None])[0])
     excess = max(1.0, smallest / freedom) if freedom > 0 else 1.0
-    inner, outer = (
-        curve.below(smallest + excess * float(stats.chi2.ppf(level, 1))) for level in (0.68, 0.95)
-    )
+    rises = [excess * float(stats.chi2.ppf(level, 1)) for level in (0.68, 0.95)]
+    curve = profile(box, column, best, seen, rises)
+    inner, outer = (curve.below(float(curve.chi_square.min()) + rise) for rise in rises)
     limits = (float(box.low[column]) + 1e-6, float(box.high[column]) - 1e-6)
     word = verdict(outer, limits, _WIDEST.get(name, _WIDEST_RESTITUTION))
     back = np.exp if column == _RATIO else np.asarray

@@ -1,34 +1,16 @@
-"""Cue shots as the fit needs them: what was measured, and how far the model is from it.
-
-Columns of a shot, beside those of every trial (SI, radians; x and y in the plane of the table):
-
-========================================  ==============================================================
-`velocity_x`, `velocity_y`                of the ball just after the strike, each with ``_sd``
-`angular_velocity_x`, `..._y`             the same of its spin; may be missing
-`approach_velocity`                       speed of the tip along the cue, above zero
-`approach_direction`                      of the cue seen from above, from x to y; 0 if missing
-`cue_elevation`                           of the butt above the table; 0, a level cue, if missing
-`contact_offset`, `contact_height`        where the tip strikes, in radii right of and above the middle
-`friction`, `friction_sd`                 of the cloth, as the path after the strike tells it; may be missing
-========================================  ==============================================================
-"""
+"""Cue shots as the fit needs them: what was measured, and what the model says of them."""
 
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from calibrate.rows import TrialTableError
 from impact import Ball, Contact, ConvergenceError, Cue, CueShot, collide_many
 
 Array = NDArray[np.float64]
 
 MEASURED = ("velocity_x", "velocity_y", "angular_velocity_x", "angular_velocity_y")
 AIM = ("approach_velocity", "approach_direction", "cue_elevation", "contact_offset", "contact_height")
-ASSUMED_SD = 0.02
-"""Of a velocity without a stated one, relative to the speed of the ball (of its surface, for spins)."""
-
 _TOLERANCE = 1e-9  # of a collision: far finer than any camera, and twice as fast as the finest
 _AIM_STEP = 1e-3  # for the slope of the outcome over where the cue was aimed
 
@@ -43,6 +25,8 @@ class Shots:
         As in the table.
     measured, measured_sd : ndarray (S, 4)
         Values of `MEASURED`, NaN where missing.
+    correlation : ndarray (S, 4, 4)
+        Of the errors of `MEASURED`.
     aim, aim_sd : ndarray (S, 5)
         Values of `AIM`; standard deviations are zero where none is stated.
     cloth : (mean, sd) or None
@@ -56,6 +40,7 @@ class Shots:
     names: tuple[str, ...]
     measured: Array
     measured_sd: Array
+    correlation: Array
     aim: Array
     aim_sd: Array
     cloth: tuple[float, float] | None
@@ -118,8 +103,11 @@ class Shots:
             change = self.predicted(parameters[None], moved)[0] - at
             shift = change / _AIM_STEP * self.aim_sd[:, [column]]
             added += shift[:, :, None] * shift[:, None, :]
-        own = np.where(np.isnan(self.measured), 1e6, self.measured_sd) ** 2
-        return np.asarray(added + own[:, :, None] * np.eye(4))
+        missing = np.isnan(self.measured)
+        sd = np.where(missing, 1e6, self.measured_sd)
+        apart = (missing[:, :, None] | missing[:, None, :]) & ~np.eye(4, dtype=bool)
+        own = np.where(apart, 0.0, self.correlation) * sd[:, :, None] * sd[:, None, :]
+        return np.asarray(added + own)
 
 
 def strike(aim: Array) -> tuple[Array, Array]:
@@ -140,82 +128,3 @@ def strike(aim: Array) -> tuple[Array, Array]:
     behind = np.sqrt(1 - right**2 - above**2)
     normal = right[:, None] * sideways + above[:, None] * upward - behind[:, None] * along
     return normal, speed[:, None] * along
-
-
-def observed_shots(trials: pd.DataFrame, ball: Ball, cue: Cue) -> Shots:
-    """Collect the usable shots of a table.
-
-    Parameters
-    ----------
-    trials : pandas.DataFrame
-        As `read_trials` or `check_trials` returns it.
-    ball, cue : Ball, Cue
-        The ball and the stick.
-
-    Raises
-    ------
-    TrialTableError
-        If no shot is usable; the message says why the first one is not.
-    """
-    shots = trials[(trials["kind"] == "shot") & (trials["status"] == "ok")]
-    if shots.empty:
-        raise TrialTableError("no usable trial of kind shot")
-    columns = [*MEASURED, *AIM, "friction"]
-    table = pd.DataFrame({name: _numbers(shots, name) for name in (*columns, *(f"{c}_sd" for c in columns))})
-    table = table.fillna(dict.fromkeys(AIM[1:], 0.0))
-    reasons = [_reason(row) for row in table.to_dict("records")]
-    in_pixels = shots.get("unit", pd.Series("m", index=shots.index)).astype(str).str.strip() == "px"
-    reasons = ["its lengths are in pixels" if px else why for px, why in zip(in_pixels, reasons, strict=True)]
-    notes = [f"{name} left out: {why}" for name, why in zip(shots["trial"], reasons, strict=True) if why]
-    kept = table[[not why for why in reasons]]
-    if kept.empty:
-        raise TrialTableError(f"no usable trial of kind shot; {notes[0]}")
-    measured, sd = kept[list(MEASURED)].to_numpy(), kept[[f"{name}_sd" for name in MEASURED]].to_numpy()
-    speed = np.hypot(measured[:, 0], measured[:, 1])[:, None]
-    assumed = ASSUMED_SD * speed / np.array([1.0, 1.0, ball.radius, ball.radius])
-    missing = ~(sd > 0)
-    if (missing & np.isfinite(measured)).any():
-        notes.append(f"velocities without a standard deviation above zero: {ASSUMED_SD:.0%} of speed assumed")
-    return Shots(
-        names=tuple(str(name) for name, why in zip(shots["trial"], reasons, strict=True) if not why),
-        measured=measured,
-        measured_sd=np.where(missing, assumed, sd),
-        aim=kept[list(AIM)].to_numpy(),
-        aim_sd=kept[[f"{name}_sd" for name in AIM]].fillna(0.0).to_numpy(),
-        cloth=_cloth(kept),
-        ball=ball,
-        cue=cue,
-        notes=tuple(notes),
-    )
-
-
-def _numbers(shots: pd.DataFrame, column: str) -> pd.Series:
-    if column not in shots:
-        return pd.Series(np.nan, index=shots.index)
-    return pd.to_numeric(shots[column], errors="coerce").replace([np.inf, -np.inf], np.nan).astype(float)
-
-
-def _reason(row: dict[str, float]) -> str:
-    """Say why a shot cannot be used; empty if it can."""
-    for name in MEASURED[:2]:
-        if np.isnan(row[name]):
-            return f"{name} is no finite number"
-    if not row["approach_velocity"] > 0:
-        return "approach_velocity must be above zero, the speed of the tip along the cue"
-    if not row["contact_offset"] ** 2 + row["contact_height"] ** 2 < 1:
-        return "contact_offset and contact_height lie outside the ball"
-    if not abs(row["cue_elevation"]) < np.pi / 2 + 1e-9:
-        return f"cue_elevation must be at most pi/2 (it is in radians), got {row['cue_elevation']:g}"
-    return ""
-
-
-def _cloth(table: pd.DataFrame) -> tuple[float, float] | None:
-    """Average the friction that the paths tell; scatter counts where it exceeds what is stated."""
-    told = table[(table["friction"] > 0) & (table["friction_sd"] > 0)]
-    if told.empty:
-        return None
-    weight = 1 / told["friction_sd"].to_numpy() ** 2
-    mean = float(np.average(told["friction"], weights=weight))
-    off = weight * (told["friction"].to_numpy() - mean) ** 2
-    scatter = max(1.0, float(off.sum()) / max(len(told) - 1, 1))
-    return mean, float(np.sqrt(scatter / weight.sum()))

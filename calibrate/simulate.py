@@ -11,6 +11,7 @@ from calibrate.model import LINEAR, rebound_ratios
 from calibrate.trials import check_trials
 
 _LOWER_MASS = 0.0027
+_FEWEST = 3  # trials that can scatter in two numbers without correlation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,13 +77,53 @@ def simulate_trials(truth: Truth, design: Design, generator: np.random.Generator
         _table(kind, generator.normal(mean, truth.restitution_scatter, (count, 1)))
         for kind, mean, count in single
     ]
-    for mass_ratio, count in design.two.items():
-        restitutions = [[truth.ball_ball, truth.ball_table]]
-        ratios = rebound_ratios([truth.stiffness_ratio], restitutions, [mass_ratio], exponent=truth.exponent)
-        rebounds = ratios * (1 + generator.normal(0.0, truth.rebound_scatter, (count, 2)))
-        masses = {"upper_mass": mass_ratio * _LOWER_MASS, "lower_mass": _LOWER_MASS}
-        tables.append(_table("two", rebounds).assign(**masses))
+    tables += [
+        _two_balls(truth, mass_ratio, generator.normal(0.0, truth.rebound_scatter, (count, 2)))
+        for mass_ratio, count in design.two.items()
+    ]
     return check_trials(pd.concat(tables, ignore_index=True))
+
+
+def typical_trials(truth: Truth, two: Mapping[float, int]) -> pd.DataFrame:
+    """Make a table of two-ball trials whose scatter is exactly as stated, without any luck.
+
+    Parameters
+    ----------
+    truth : Truth
+        Parameters and scatter.
+    two : mapping of float to int
+        Mass ratios, upper over lower, to numbers of trials, three or more each.
+
+    Returns
+    -------
+    pandas.DataFrame
+        As `check_trials` returns it; of each mass pair the errors of both rebounds have mean zero, the stated
+        standard deviation, and no correlation.
+
+    Raises
+    ------
+    ValueError
+        If a mass ratio has fewer than three trials.
+    """
+    for mass_ratio, count in two.items():
+        if count < _FEWEST:
+            raise ValueError(f"trials must be at least {_FEWEST}, got {count} of mass ratio {mass_ratio:g}")
+    generator = np.random.default_rng(0)
+    tables = []
+    for mass_ratio, count in two.items():
+        drawn = generator.normal(size=(count, 2))
+        drawn -= drawn.mean(axis=0)
+        independent = np.linalg.solve(np.linalg.cholesky(np.cov(drawn.T)), drawn.T).T
+        tables.append(_two_balls(truth, mass_ratio, independent * truth.rebound_scatter))
+    return check_trials(pd.concat(tables, ignore_index=True))
+
+
+def _two_balls(truth: Truth, mass_ratio: float, errors: NDArray[np.float64]) -> pd.DataFrame:
+    """Trials with one pair of masses and relative errors (N, 2)."""
+    restitutions = [[truth.ball_ball, truth.ball_table]]
+    ratios = rebound_ratios([truth.stiffness_ratio], restitutions, [mass_ratio], exponent=truth.exponent)
+    masses = {"upper_mass": mass_ratio * _LOWER_MASS, "lower_mass": _LOWER_MASS}
+    return _table("two", ratios * (1 + errors)).assign(**masses)
 
 
 def _table(kind: str, ratios: NDArray[np.float64]) -> pd.DataFrame:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from calibrate.rows import correlation_column
 from calibrate.shots import AIM, MEASURED, Shots
 from calibrate.trials import check_trials
 from impact import Ball, Cue
@@ -16,7 +17,9 @@ def simulate_shots(
     aim: NDArray[np.float64],
     bodies: tuple[Ball, Cue],
     generator: np.random.Generator,
+    *,
     scatter: float = 0.005,
+    correlation: NDArray[np.float64] | None = None,
 ) -> pd.DataFrame:
     """Draw a table of shots.
 
@@ -32,6 +35,8 @@ def simulate_shots(
         Source of the scatter.
     scatter : float
         Of velocities, relative to the speed of the ball; of spins, of its surface.
+    correlation : ndarray (4, 4), optional
+        Of the errors of `calibrate.shots.MEASURED`; none without it.
 
     Returns
     -------
@@ -44,6 +49,7 @@ def simulate_shots(
         names=tuple(str(number) for number in range(len(aim))),
         measured=nothing,
         measured_sd=nothing,
+        correlation=np.empty((len(aim), 4, 4)),
         aim=aim,
         aim_sd=np.zeros_like(aim),
         cloth=None,
@@ -56,7 +62,11 @@ def simulate_shots(
     speed = np.hypot(exact[:, 0], exact[:, 1])[:, None]
     sd = scatter * speed / np.array([1.0, 1.0, ball.radius, ball.radius])
     table = pd.DataFrame({"kind": "shot", **dict(zip(AIM, aim.T, strict=True))})
+    together = np.eye(len(MEASURED)) if correlation is None else correlation
+    errors = generator.normal(size=sd.T.shape).T @ np.linalg.cholesky(together).T * sd
     for column, name in enumerate(MEASURED):
-        table[name] = exact[:, column] + generator.normal(0.0, sd[:, column])
+        table[name] = exact[:, column] + errors[:, column]
         table[f"{name}_sd"] = sd[:, column]
+        for other, beside in enumerate(MEASURED[:column]):
+            table[correlation_column(beside, name)] = together[other, column]
     return check_trials(table)

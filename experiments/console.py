@@ -92,7 +92,7 @@ def _polar(row: Row, name: str) -> tuple[str, str]:
     if row.get(f"{name}_x") is None:
         return "", ""
     x, y = row[f"{name}_x"], row[f"{name}_y"]
-    return _number(hypot(x, y), 4 if row["unit"] == "m" else 1), f"{degrees(atan2(y, x)):.2f}°"
+    return _number(hypot(x, y), 4 if row.get("unit", "m") == "m" else 1), f"{degrees(atan2(y, x)):.2f}°"
 
 
 def _per_second(row: Row) -> str:

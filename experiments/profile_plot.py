@@ -100,7 +100,8 @@ def draw(plot: ProfilePlot) -> Figure:
     caption = "shaded: the 68 % and 95 % sets, everything below the dashed lines"
     near.text(0.01, 1.02, caption, transform=near.transAxes, fontsize=7.5, color=QUIET)
     note = "logarithmic above the dotted line"
-    whole.text(0.01, 0.03, note, transform=whole.transAxes, fontsize=7.5, color=QUIET)
+    beside = whole.get_yaxis_transform()
+    whole.text(0.01, 1.02 * _HIGHEST, note, transform=beside, va="bottom", fontsize=7.5, color=QUIET)
     _mark_plainly(near)
     if plot.states:
         _draw_states(axes[2][0], plot, near.get_xlim())

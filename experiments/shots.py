@@ -1,5 +1,6 @@
 """Cue shots: recording → one row of the trial table."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from calibrate.rows import correlation_column
 from experiments.doubt import find_shot_doubt
 from experiments.measured import Fit, Measured, only_seen
 from experiments.rows import cells, empty_row, judgement
@@ -124,6 +126,7 @@ def _row(trial: Trial, shot: Shot, reason: str) -> dict[str, Any]:
             [*shot.velocity, *shot.angular_velocity],
             [*shot.velocity_sd, *shot.angular_velocity_sd],
         ),
+        **_correlations(velocities, shot.covariance),
         **({} if shot.tip is None else _tip_cells(shot.tip)),
         **cells(["friction"], [shot.friction], [shot.friction_sd]),
         "meeting_time": shot.meeting_time,
@@ -134,6 +137,15 @@ def _row(trial: Trial, shot: Shot, reason: str) -> dict[str, Any]:
         "lift": shot.lift,
         "frames_after": shot.frames,
         "residual": shot.residual,
+    }
+
+
+def _correlations(names: Sequence[str], covariance: FloatArray) -> dict[str, float]:
+    """Tell how the errors of velocity and spin hang together: spin is read from how the velocity changes."""
+    sd = np.sqrt(np.diag(covariance))
+    return {
+        correlation_column(names[one], names[other]): float(covariance[one, other] / (sd[one] * sd[other]))
+        for one, other in itertools.combinations(range(len(names)), 2)
     }
 
 

@@ -1,4 +1,4 @@
-"""`impactlab simulate`: one collision from numbers on the command line."""
+"""`impactlab simulate`: a collision, or a table of trials, from numbers on the command line."""
 
 from pathlib import Path
 from typing import Annotated
@@ -9,7 +9,10 @@ from experiments import paper
 from experiments.verbs import verb
 from impact import Ball, Contact, Cue, CueShot, RestitutionLaw, TwoBallDrop
 
-simulate = typer.Typer(help="Run one collision from numbers on the command line.", no_args_is_help=True)
+simulate = typer.Typer(
+    help="Run one collision, or make a table of trials, from numbers on the command line.",
+    no_args_is_help=True,
+)
 
 Vector = tuple[float, float, float]
 
@@ -44,6 +47,45 @@ def drop(
     typer.echo(describe(curve))
     if plot:
         save_figure(draw(curve), plot)
+
+
+@simulate.command(epilog="Example: impactlab simulate trials --mass-ratio 1 --mass-ratio 2 --out pairs.csv")
+@verb
+def trials(
+    out: Annotated[Path, typer.Option(help="Table to write, for impactlab fit.")] = Path("simulated.csv"),
+    stiffness_ratio: Annotated[
+        float, typer.Option(help="Ball-table over ball-ball, k2/k1.")
+    ] = paper.STIFFNESS_RATIO,
+    ball_ball: Annotated[float, typer.Option(help="Ball-ball restitution.")] = paper.BALL_BALL.mean,
+    ball_table: Annotated[float, typer.Option(help="Ball-table restitution.")] = paper.BALL_TABLE.mean,
+    mass_ratio: Annotated[list[float], typer.Option(help="Upper over lower mass; name several.")] = [1.0],  # noqa: B006
+    count: Annotated[int, typer.Option(help="Trials of each mass ratio, at as many heights.")] = 10,
+    scatter: Annotated[float, typer.Option(help="Of rebounds from trial to trial, relative.")] = 0.02,
+    exponent: Annotated[float, typer.Option(help="Of the force law: 1 linear, 1.5 Hertz.")] = 1.0,
+    seed: Annotated[
+        int | None, typer.Option(help="Draw the scatter by chance; without it, it is exactly as stated.")
+    ] = None,
+) -> None:
+    """Make a table of two-ball trials with a known truth, to see what a fit would find. Default: Fig. 5."""
+    import numpy as np
+
+    from calibrate.simulate import Design, Truth, simulate_trials, typical_trials
+    from calibrate.trials import write_trials
+
+    truth = Truth(
+        stiffness_ratio=stiffness_ratio,
+        ball_ball=ball_ball,
+        ball_table=ball_table,
+        exponent=exponent,
+        rebound_scatter=(scatter, scatter),
+    )
+    two = dict.fromkeys(mass_ratio, count)
+    if seed is None:
+        table = typical_trials(truth, two)
+    else:
+        design = Design(plate=0, held=0, two=two)
+        table = simulate_trials(truth, design, np.random.default_rng(seed))
+    typer.echo(f"{len(table)} trials in {write_trials(table, out)}")
 
 
 @simulate.command(epilog="Example: impactlab simulate shot --normal -1 -2 1 --cue-velocity 0 0 -2")

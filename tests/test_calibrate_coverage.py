@@ -32,3 +32,10 @@ def test_a_valley_that_begins_behind_a_jump_is_found() -> None:
     truth, design = DESIGNS["the paper's design"]
     estimate = simulated_estimate(replace(truth, stiffness_ratio=60.0), design, 28)
     assert any(low < 60.0 < high for low, high in estimate.intervals_95)
+
+
+@pytest.mark.parametrize("seed", [0, 29])
+def test_a_valley_narrower_than_the_grid_is_found(seed: int) -> None:
+    truth, design = DESIGNS["few repeats of two mass pairs"]
+    (interval,) = simulated_estimate(replace(truth, stiffness_ratio=60.0), design, seed).intervals_95
+    assert interval[0] < 60.0 < interval[1]

@@ -145,3 +145,13 @@ def test_a_wrong_scale_moves_velocities_but_not_their_ratio() -> None:
     assert told is not None
     assert silent is not None
     assert told.repeats.mean_sd() < 0.001 < 0.005 < silent.repeats.mean_sd()
+
+
+def test_scatter_in_proportion_to_speed_is_seen_as_such() -> None:
+    generator = np.random.default_rng(4)
+    means, groups = np.array([[0.7, 0.1], [0.7, 0.5]]), np.repeat([0, 1], 500)
+    values = means[groups] * (1 + 0.01 * generator.normal(size=(1000, 2)))
+    found = repeats_of(values, np.full((1000, 2, 2), np.nan), groups)
+    for group in (0, 1):
+        deviations = np.sqrt(np.diagonal(found.covariance(group)))
+        assert deviations == pytest.approx(0.01 * means[group], rel=0.06)

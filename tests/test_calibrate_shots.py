@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 from calibrate import TrialTableError, check_trials, fit_shot
-from calibrate.shots import AIM, observed_shots
+from calibrate.shot_table import observed_shots
+from calibrate.shots import AIM
 from calibrate.simulate_shots import simulate_shots
 from calibrate.trials import write_trials
 from experiments.cli import app
@@ -65,6 +66,21 @@ def test_raised_shots_give_all_five_parameters_back(seed: int) -> None:
 
 
 @pytest.mark.slow
+def test_the_95_percent_sets_of_shots_hold_the_truth() -> None:
+    correlation = np.eye(4)
+    correlation[0, 3] = correlation[3, 0] = 0.6  # spin is read from how the velocity changes
+    correlation[1, 2] = correlation[2, 1] = -0.6
+    held = []
+    for seed in range(20):
+        generator = np.random.default_rng(1000 + seed)
+        aimed = aims(6, generator, True)
+        table = simulate_shots(TRUTH, aimed, (BALL, CUE), generator, correlation=correlation)
+        for name, estimate in fit_shot(table, ball=BALL, cue=CUE).estimates.items():
+            held.append(any(low <= TRUTH[name] <= high for low, high in estimate.intervals_95))
+    assert 0.88 <= np.mean(held) <= 0.99
+
+
+@pytest.mark.slow
 def test_level_low_shots_tell_nothing_of_the_cloth_and_say_so() -> None:
     fitted = fit_shot(shots(8, raised=False), ball=BALL, cue=CUE)
     assert fitted.estimates["tip_ball_restitution"].verdict == "one value"
@@ -88,6 +104,33 @@ def test_an_unsure_aim_makes_the_outcome_unsure() -> None:
         for each in (table, table.assign(contact_offset_sd=0.02))
     )
     assert np.all(np.diagonal(unsure - sure, axis1=1, axis2=2)[:, :2].sum(axis=1) > 0)
+
+
+def test_correlated_errors_of_velocity_and_spin_count() -> None:
+    correlation = np.eye(4)
+    correlation[0, 3] = correlation[3, 0] = 0.9
+    generator = np.random.default_rng(1)
+    table = simulate_shots(TRUTH, aims(3, generator, True), (BALL, CUE), generator, correlation=correlation)
+    observed = observed_shots(table, BALL, CUE)
+    covariance = observed.covariance(np.array([0.65, 0.4, np.log(10.0), 0.5, 0.15]))
+    sd = observed.measured_sd
+    assert covariance[:, 0, 3] == pytest.approx(0.9 * sd[:, 0] * sd[:, 3])
+    assert np.all(np.linalg.eigvalsh(covariance) > 0)
+
+
+def test_correlations_that_contradict_each_other_are_drawn_towards_none() -> None:
+    columns = ["velocity_x_velocity_y", "velocity_x_angular_velocity_x", "velocity_y_angular_velocity_x"]
+    told = dict(zip((f"{column}_correlation" for column in columns), (1.0, 1.0, -1.0), strict=True))
+    observed = observed_shots(shots(3, raised=True).assign(**told), BALL, CUE)
+    assert np.all(np.linalg.eigvalsh(observed.correlation) > 0)
+
+
+def test_what_no_camera_sees_of_the_aim_is_asked_for() -> None:
+    tracked = shots(3, raised=True).drop(columns=["cue_elevation", "contact_height"])
+    notes = " ".join(observed_shots(tracked, BALL, CUE).notes)
+    assert "cue_elevation (the butt's angle above the table, rad) is missing in 3 shots" in notes
+    assert "contact_height (where the tip strikes, radii above the middle) is missing" in notes
+    assert "contact_offset" not in notes
 
 
 @pytest.mark.parametrize(
