@@ -26,5 +26,6 @@ def with_row_times(track: Track, recording: Recording, readout: float) -> Track:
         The same places at times up to `readout` later.
     """
     height, width = recording.size
-    way = (track.y / height, track.x / width, 1 - track.y / height, 1 - track.x / width)
+    down, right = track.y / (height - 1), track.x / (width - 1)
+    way = (down, right, 1 - down, 1 - right)
     return replace(track, time=track.time + readout * np.clip(way[recording.quarter_turns], 0.0, 1.0))

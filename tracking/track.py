@@ -24,7 +24,7 @@ FEWEST_FRAMES = 8
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.85  # of what scatters more than rims tell: compression errs as much alike at like height
-SHADING_SD = 0.25  # of how far a ball's shading moves its rim
+SHADING_SD = 0.22  # of how far a ball's shading moves its rim
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
