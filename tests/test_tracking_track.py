@@ -116,8 +116,8 @@ def test_ball_that_does_not_fit_the_picture_is_refused(plate_clip: Clip, radius:
 def test_rows_read_later_show_the_ball_later(plate_track: Track, plate_clip: Clip) -> None:
     recording = open_recording(plate_clip.path)
     timed = with_row_times(plate_track, recording, 0.004)
-    width, height = plate_clip.scene.size_px
-    assert timed.time - plate_track.time == pytest.approx(0.004 * plate_track.y / height)
-    for turns, share in ((1, plate_track.x / width), (2, 1 - plate_track.y / height)):
+    last_column, last_row = np.subtract(plate_clip.scene.size_px, 1)
+    assert timed.time - plate_track.time == pytest.approx(0.004 * plate_track.y / last_row)
+    for turns, share in ((1, plate_track.x / last_column), (2, 1 - plate_track.y / last_row)):
         turned = with_row_times(plate_track, replace(recording, quarter_turns=turns), 0.004)
         assert turned.time - plate_track.time == pytest.approx(0.004 * share)
