@@ -27,6 +27,7 @@ LONGEST_STRIDE = 32  # frames looked through at once
 MEMORY = 25  # sightings of which the median radius is expected
 SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
 REFITS = 3
+SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
 LIMB_FRAMES = 8  # pictures on which a ball's limb is measured, from the sharper half of all
 
 
@@ -93,10 +94,14 @@ def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius
 
 
 def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArray:
-    """Median radius in the frames around each one: a ball that comes nearer grows."""
-    seen = [radius if sighting is None else sighting.circle.radius for sighting in found]
-    padded = np.pad(seen, MEMORY // 2, mode="edge") if seen else np.empty(MEMORY - 1)
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1))
+    """Median radius in the sharp frames around each one: a ball that comes nearer grows."""
+    sharp = [i for i, s in enumerate(found) if s is not None and s.blur < SMEARED * radius]
+    if not sharp:
+        return np.full(len(found), radius)
+    seen = [s.circle.radius for s in found if s is not None and s.blur < SMEARED * radius]
+    padded = np.pad(seen, MEMORY // 2, mode="edge")
+    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1)
+    return np.asarray(np.interp(np.arange(len(found)), sharp, around))
 
 
 def _advance(
