@@ -122,7 +122,8 @@ def test_film_from_a_hand_bounces_as_its_maker_says(shared_data: Path) -> None:
     first = measured.rows[0]
     assert first["status"] == "ok"
     assert 0.45 < -first["upper_rebound_velocity"] / first["approach_velocity"] < 0.56
-    assert 0.8 < first["gravity_check"] < 1  # its mass is not told: air is left out, and gravity reads low
+    through_air = 8.5 / 9.81  # as its maker measured; air is left out here, for its mass is not told
+    assert abs(first["gravity_check"] - through_air) < 2 * first["gravity_check_sd"] < 0.5
     assert any(remark.startswith("the camera drifts by up to 1") for remark in measured.remarks)
 
 

@@ -16,6 +16,7 @@ FloatArray = npt.NDArray[np.float64]
 WORTH_SAYING = 0.02  # change of size along the path
 CERTAIN = 4.0  # standard deviations of it
 FEWEST_FRAMES = 20
+SLOW = 0.5  # radii a frame: faster balls are smeared, and look larger or smaller by their shading
 HUBER = 1.345
 ROUNDS = 10
 
@@ -51,9 +52,11 @@ def motion_in_depth(track: Track) -> Depth:
     if len(track.sizes) != count or count < FEWEST_FRAMES:
         return Depth(size=np.ones(count), change=0.0, change_sd=np.inf)
     since = _scaled(track.time)
-    speed = np.abs(np.gradient(track.y, track.time))
-    design = np.column_stack((np.ones(count), since, since**2, speed / max(float(speed.max()), 1e-9)))
-    solution, covariance = _robust(design, track.sizes / track.radius)
+    step = np.abs(np.gradient(track.y, track.frame))
+    design = np.column_stack((np.ones(count), since, since**2, step / max(float(step.max()), 1e-9)))
+    slow = step < SLOW * track.radius
+    used = slow if slow.sum() >= FEWEST_FRAMES else np.ones(count, dtype=bool)
+    solution, covariance = _robust(design[used], track.sizes[used] / track.radius)
     trend = design[:, :3] @ solution[:3]
     return Depth(
         size=trend,
