@@ -8,6 +8,7 @@ from typing import Any
 
 from calibrate.files import write_whole
 from calibrate.intervals import Interval
+from calibrate.notebook import calibration_html, estimate_html
 from calibrate.report import calibration_text, estimate_text
 
 
@@ -41,6 +42,9 @@ class Estimate:
 
     def __str__(self) -> str:
         return estimate_text(self)
+
+    def _repr_html_(self) -> str:
+        return estimate_html(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,6 +144,9 @@ class Calibration:
 
     def __str__(self) -> str:
         return calibration_text(self)
+
+    def _repr_html_(self) -> str:
+        return calibration_html(self)
 
     def to_json(self) -> str:
         """Write all of it as JSON text that `from_json` reads back."""

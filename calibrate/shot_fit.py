@@ -15,6 +15,7 @@ from calibrate.estimate import Estimate
 from calibrate.evolution import evolve
 from calibrate.files import write_whole
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, verdict
+from calibrate.notebook import shots_html
 from calibrate.shot_table import observed_shots
 from calibrate.shots import Shots
 from impact import Ball, Cue
@@ -73,6 +74,9 @@ class ShotCalibration:
         freedom = f"{self.degrees_of_freedom} degrees of freedom"
         lines.append(f"{self.shots} shots, chi-square {self.chi_square:.1f} for {freedom}")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def _repr_html_(self) -> str:
+        return shots_html(self)
 
     def save(self, path: str | Path) -> Path:
         """Write as JSON, whole or not at all."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from impact._checks import Array
 from impact.contact import ContactMode, Event, RestitutionLaw
+from impact.notebook import html_table
 from impact.system import ImpactSystem
 
 if TYPE_CHECKING:
@@ -162,6 +163,12 @@ class Collision:
         if self.energy_borrowed > 1e-9 * abs(self.energy_loss):
             text += f"; the law borrowed {self.energy_borrowed:.6g} J that no contact had stored"
         return text
+
+    def _repr_html_(self) -> str:
+        """Show each state, its events and the impulses at its end."""
+        ends = [", ".join(f"{impulse:.6g}" for impulse in each.impulses[-1]) for each in self.segments[:12]]
+        rows = [(each.state, each.events, end) for each, end in zip(self.segments[:12], ends, strict=True)]
+        return html_table(repr(self), rows, ("state", "events", "impulses, N s"))
 
 
 def _state_names(system: ImpactSystem, records: Record) -> Iterator[str]:

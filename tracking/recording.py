@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.kept import Kept
+from tracking.notebook import html_table
 from tracking.planes import Image, Planes, Window, colours, enlarged
 from tracking.stamps import CLOCK_SD
 
@@ -85,6 +86,19 @@ class Recording:
     pictures: tuple[Planes, ...] = ()
     kept: tuple[Kept, ...] = ()
     drift: FloatArray | None = None
+
+    def _repr_html_(self) -> str:
+        """Show what the file holds and what was found out about it."""
+        height, width = self.size
+        rows = [
+            (
+                "frames",
+                f"{int(self.genuine.sum())} pictures in {len(self.times)} frames, {width} × {height} px",
+            ),
+            ("rate", f"{self.capture_fps:.5g} captured a second, {np.ptp(self.times):.3f} s in all"),
+            *(("note", note) for note in self.notes),
+        ]
+        return html_table(self.path.name, rows)
 
 
 def held_still(picture: Planes, motion: FloatArray) -> Planes:

@@ -10,6 +10,7 @@ from scipy.signal import find_peaks
 from tracking.circle import Guess, fit_circles
 from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
+from tracking.notebook import html_table
 from tracking.path import MISSING, best_path, guess_radius
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
@@ -53,6 +54,18 @@ class Track:
     shared_sd: float = 0.0
     offset_sd: float = 0.0
     sizes: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    def _repr_html_(self) -> str:
+        """Show where and when the ball was seen."""
+        if not len(self.frame):
+            return html_table(f"{self.ball} ball, in no frame", ())
+        rows = [
+            ("frames", f"{len(self.frame)}, from {self.time.min():.4f} to {self.time.max():.4f} s"),
+            ("x", f"{self.x.min():.4g} to {self.x.max():.4g} {self.unit} (± {np.median(self.x_sd):.2g})"),
+            ("y", f"{self.y.min():.4g} to {self.y.max():.4g} {self.unit} (± {np.median(self.y_sd):.2g})"),
+            ("radius", f"{self.radius:.4g} ± {self.radius_sd:.2g} {self.unit}"),
+        ]
+        return html_table(f"{self.ball} ball", rows)
 
 
 def track_balls(

@@ -16,6 +16,7 @@ from tracking.budget import NOTHING_SHARED, Budget
 from tracking.flight import Flight
 from tracking.joint import JointFit, Meeting, P, Side, fit_meeting, moved, without_outliers
 from tracking.model_free import UNKNOWN, free_parabolas
+from tracking.notebook import html_table
 from tracking.sides import first_guess, lower_sides, slope, upper_sides
 from tracking.track import Track
 
@@ -78,6 +79,18 @@ class Impact:
     def sd(self) -> FloatArray:
         """Standard deviations of the velocities, m/s."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def _repr_html_(self) -> str:
+        """Show the velocities and whether the ball fell as balls do."""
+        names = ("before", "after", "lower ball after")
+        rows = [
+            (name, f"{value:.4f} ± {sd:.4f} m/s")
+            for name, value, sd in zip(names, self.velocities, self.sd, strict=True)
+            if np.isfinite(value)
+        ]
+        rows.append(("gravity check", f"{self.gravity_check:.3f} ± {self.gravity_check_sd:.3f}"))
+        rows.append(("frames", f"{self.frames[0]} before, {self.frames[1]} after"))
+        return html_table(f"impact at {self.time:.4f} s", rows)
 
 
 def measure_impacts(track: Track, flight: Flight, budget: Budget = NOTHING_SHARED) -> list[Impact]:
