@@ -27,6 +27,8 @@ from typer.testing import CliRunner
 from calibrate.setup import Setup
 from experiments import fig4, fig5
 from experiments.cli import app
+from experiments.process import measure
+from experiments.trial import Camera, Trial
 
 PROCESS = "impactlab process drops/ --kind plate --ball-diameter 0.040 --ball-mass 0.0027"
 QUICK = {
@@ -53,6 +55,7 @@ SLOW = {
     "impactlab process experiment.toml --out out",
 }
 RUNS_THESE_TESTS = {"python -m pytest -n auto"}
+GIVEN = Camera(scale={"metres_per_pixel": 0.0008})
 LIGHTER = {"--coverage 200": "--coverage 1", "--bootstrap 200": "--bootstrap 3"}
 """Repetitions that cost time and show nothing new."""
 
@@ -184,6 +187,15 @@ def test_fits_shown_are_those_that_fit_prints(desk: Path) -> None:
 def test_addition_shown_is_the_one_that_plan_proposes() -> None:
     printed = printed_by("impactlab plan --mass 0.0027 --mass 0.0054")
     assert "add 3 trials of 0.0027 kg on 0.0054 kg and 3 trials of 0.0054 kg on 0.0027 kg; every" in printed
+
+
+def test_every_column_of_the_table_is_explained(two_clip: Clip) -> None:
+    page = FILMING.read_text(encoding="utf-8")
+    endings = re.findall(r"`…(_\w+)`", page)
+    (row,) = measure(Trial(name="two", video=two_clip.path, kind="two", camera=GIVEN)).rows
+    for column in row:
+        plain = column.removesuffix("_sd")
+        assert f"`{plain}`" in page or plain.endswith(tuple(endings)), column
 
 
 def test_code_is_shown_in_blocks_that_are_looked_at() -> None:
