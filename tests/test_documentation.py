@@ -36,6 +36,7 @@ QUICK = {
     "impactlab report out",
     "impactlab simulate drop --stiffness-ratio 10 --plot drop.svg",
     "impactlab simulate shot --offset 0.3 -0.2 --elevation 20 --speed 2 --plot shot.svg",
+    "impactlab simulate trials --stiffness-ratio 10 --mass-ratio 1 --mass-ratio 2 --out simulated.csv",
 }
 SLOW = {
     f"{PROCESS} --readout 0.004 --out out",
