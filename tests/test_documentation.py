@@ -190,6 +190,16 @@ def test_addition_shown_is_the_one_that_plan_proposes() -> None:
     assert "add 3 trials of 0.0027 kg on 0.0054 kg and 3 trials of 0.0054 kg on 0.0027 kg; every" in printed
 
 
+def test_complaints_are_quoted_in_the_words_of_the_tool() -> None:
+    sources = [path for room in ("tracking", "experiments") for path in (HOME / room).rglob("*.py")]
+    code = "\n".join(path.read_text(encoding="utf-8") for path in sources)
+    spoken = re.sub(r'"\s*\n\s*f?"', "", code)
+    table = FILMING.read_text(encoding="utf-8").split("| it says |")[1].split("\n\n")[0]
+    for row in table.splitlines()[2:]:
+        for words in row.split("|")[1].split("…"):
+            assert words.strip(" :") in spoken, words
+
+
 def test_every_column_of_the_table_is_explained(two_clip: Clip) -> None:
     page = FILMING.read_text(encoding="utf-8")
     endings = re.findall(r"`…(_\w+)`", page)

@@ -8,7 +8,7 @@ from html import escape
 
 
 def html_table(caption: str, rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
-    """Write an HTML table, every text escaped; the first cell of each row is its name.
+    """Write an HTML table, every text escaped; the first cell of each row is its name, the last fills it.
 
     Examples
     --------
@@ -18,6 +18,8 @@ def html_table(caption: str, rows: Iterable[Sequence[str]], header: Sequence[str
     head = "".join(f"<th>{escape(cell)}</th>" for cell in header)
     lines = [f"<tr>{head}</tr>"] if head else []
     for name, *cells in rows:
-        row = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        wide = f' colspan="{len(header) - len(cells)}"' if len(header) - len(cells) > 1 else ""
+        row = "".join(f"<td>{escape(cell)}</td>" for cell in cells[:-1])
+        row += f"<td{wide}>{escape(cells[-1])}</td>"
         lines.append(f"<tr><th>{escape(name)}</th>{row}</tr>")
     return f"<table><caption>{escape(caption)}</caption>{''.join(lines)}</table>"
