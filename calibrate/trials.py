@@ -37,8 +37,9 @@ def read_trials(paths: str | Path | Iterable[str | Path]) -> pd.DataFrame:
 
     Comma, semicolon or tab between cells, decimal commas, the encodings of spreadsheets (see `cells`) and
     units behind the names of columns, as in ``v0 [cm/s]`` (see `units`), are all understood; what may mean
-    two things is refused. Workbooks (.xlsx) are not read: save them as CSV. Only `kind`, `approach_velocity`, `upper_rebound_velocity` (and for kind ``two``
-    `lower_rebound_velocity`, `upper_mass`, `lower_mass`) must be there.
+    two things is refused. Workbooks (.xlsx) are not read: save them as CSV. Only `kind`,
+    `approach_velocity`, `upper_rebound_velocity` (and for kind ``two`` `lower_rebound_velocity`,
+    `upper_mass`, `lower_mass`) must be there.
 
     Parameters
     ----------

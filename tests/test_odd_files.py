@@ -1,0 +1,113 @@
+"""A thousand damaged films, tables and experiment files: a result or a clear sentence each, never a crash."""
+
+from pathlib import Path
+
+import pytest
+from odd_files import OF_FILMS, OF_TEXT, damaged
+from test_tracking_odd_films import encode, fall
+from typer.testing import CliRunner
+
+from experiments.apart import Limits
+from experiments.batch import Batch, process_all
+from experiments.cli import app
+from experiments.experiment import ExperimentError, read_experiment
+from experiments.trial import KINDS, Body, Camera, Trial
+from tracking.encode import write_video
+
+BALL = Body(mass=0.0027, diameter=0.040)
+FAULTS = ("unexpected", "ended by itself", "took longer", "was killed", "needs more memory")
+MANY, FEW = 1000, 32
+
+TABLES = {
+    "plate.csv": b"trial,kind,approach_velocity,upper_rebound_velocity,upper_mass\n"
+    b"a,plate,-2.0,1.7,0.0027\nb,plate,-2.5,2.1,0.0027\nc,held,-3.0,2.4,0.0027\nd,plate,-3.1,2.6,\n",
+    "german.csv": "Kind;v0 [m/s];v1 [cm/s];Größe\r\nplate;-2,5;210;7\r\nheld;-3,0;240,5;\r\n;;;\r\n".encode(
+        "cp1252"
+    ),
+    "heights.csv": b"ball\th0 [cm]\th1 [mm]\trepeat\nred\t50\t421\t1\nred\t80\t660\t1\nred\t20\t172\t1\n",
+    "intervals.csv": b"ball,h0_cm,interval_no,launch,dt_s\nred,8,1,1,0.255\nred,8,2,1,0.243\nred,8,3,1,0.231\n",
+    "wide.csv": "kind,v0,v1\nplate,-3,2.5\nplate,-2,1.7\n".encode("utf-16"),
+    "shots.csv": b"trial,kind,velocity_x,velocity_y,approach_velocity,contact_offset,cue_elevation (deg)\n"
+    b"a,shot,1.2,0.1,1.0,0.1,10\nb,shot,1.4,0.0,1.2,0.0,5\n",
+}
+TOLD = {
+    "experiment.toml": b"""name = "drops"
+[camera]
+capture_fps = 240
+readout = 0.004
+scale = { points_px = [[215, 40], [215, 640]], distance = 0.30, relative_sd = 0.002 }
+[bodies]
+upper = { mass = 0.0027, diameter = 0.040 }
+lower = { mass = 0.0030 }
+[[trial]]
+video = "drop.mp4"
+kind = "plate"
+start_px = [80, 20.5]
+[[trial]]
+video = "drop.mp4"
+kind = "held"
+name = "again"
+upper = { mass = 0.0054 }
+scale = { metres_per_pixel = 0.0008 }
+"""
+}
+
+
+@pytest.fixture(scope="module")
+def films(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("good")
+    write_video(folder / "late.mp4", fall(40), 120)
+    write_video(folder / "early.mp4", fall(40), 120, index_first=True)
+    write_video(folder / "film.mkv", fall(40), 120)
+    encode(folder / "old.avi", fall(40), "mpeg4")
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+@pytest.mark.parametrize("count", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+def test_every_damaged_film_gives_a_result_or_a_sentence(
+    tmp_path: Path, films: dict[str, bytes], count: int
+) -> None:
+    trials = []
+    for number, (name, content) in enumerate(damaged(films, OF_FILMS, count, seed=1)):
+        (tmp_path / name).write_bytes(content)
+        kind = KINDS[number % len(KINDS)]
+        bodies = dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), BALL)
+        trials.append(Trial(name=name, video=tmp_path / name, kind=kind, bodies=bodies))
+    batch = Batch(out=tmp_path / "out", workers=2, overlays=False, limits=Limits(timeout=60))
+    rows = [row for record in process_all(trials, batch) for row in record.rows]
+    assert {row["trial"] for row in rows} == {trial.name for trial in trials}
+    reasons = [row["reason"] for row in rows if row["status"] == "failed"]
+    assert all(".mp4" in reason or ".mkv" in reason or ".avi" in reason for reason in reasons)
+    assert [reason for reason in reasons if any(fault in reason for fault in FAULTS)] == []
+
+
+@pytest.mark.filterwarnings("default")  # what a user would see as a warning is looked for in what is said
+@pytest.mark.parametrize("count", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+def test_every_damaged_table_gives_a_result_or_a_sentence(tmp_path: Path, count: int) -> None:
+    odd = []
+    for name, content in damaged(TABLES, OF_TEXT, count, seed=2):
+        (tmp_path / name).write_bytes(content)
+        done = CliRunner().invoke(app, ["fit", str(tmp_path / name), "--out", str(tmp_path / "out")])
+        if done.exit_code == 2:
+            fine = done.stderr.startswith("impactlab: ") and name in done.stderr
+        else:
+            fine = done.exit_code in (0, 1) and isinstance(done.exception, (SystemExit, type(None)))
+        if not fine or "Traceback" in done.output:
+            odd.append((name, done.exit_code, done.stderr, repr(done.exception)))
+    assert odd == []
+
+
+@pytest.mark.parametrize("count", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+def test_every_damaged_experiment_file_is_read_or_refused_with_its_name(
+    tmp_path: Path, films: dict[str, bytes], count: int
+) -> None:
+    (tmp_path / "drop.mp4").write_bytes(films["early.mp4"])
+    read = []
+    for name, content in damaged(TOLD, OF_TEXT, count, seed=3):
+        (tmp_path / name).write_bytes(content)
+        try:
+            read += read_experiment(tmp_path / name)
+        except ExperimentError as error:
+            assert name in str(error)
+    assert len(read) > count // 20
+    assert all(isinstance(trial.camera, Camera) for trial in read)
