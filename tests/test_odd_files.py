@@ -111,8 +111,9 @@ def test_every_damaged_table_is_read_or_refused_with_its_name(tmp_path: Path, co
             read.append(read_readings(path) if hold_readings([path]) else read_trials(path))
         except TrialTableError as error:
             refused.append((name, str(error)))
+    assert refused
     assert [sentence for name, sentence in refused if name not in sentence] == []
-    assert len(read) > count // 20
+    assert read  # some damage leaves a file as good as it was
 
 
 @pytest.mark.parametrize("count", [FEW, pytest.param(MANY // 8, marks=pytest.mark.slow)])
@@ -140,6 +141,7 @@ def test_every_damaged_experiment_file_is_read_or_refused_with_its_name(
             read += read_experiment(tmp_path / name)
         except ExperimentError as error:
             refused.append((name, str(error)))
+    assert refused
     assert [sentence for name, sentence in refused if name not in sentence] == []
-    assert len(read) > count // 20
+    assert read  # some damage leaves a file as good as it was
     assert all(isinstance(trial.camera, Camera) for trial in read)
