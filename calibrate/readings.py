@@ -1,6 +1,6 @@
 """Restitution measured without a camera: tables of rebound heights, or of times between bounces.
 
-Quantities carry their unit in the column's name, ``h0_cm`` or ``dt_ms``:
+Quantities carry their unit in the column's name, ``h0_cm``, ``h0 [cm]`` or ``h0 (cm)``:
 
 =============================  ===========================================================
 `h0`, `drop_height`            height the ball was let go from: m, cm, mm
@@ -19,23 +19,16 @@ from pathlib import Path
 import pandas as pd
 
 from calibrate.cells import read_cells
-from calibrate.rows import TrialTableError
+from calibrate.rows import TrialTableError, number_of
 
-_UNITS = {"length": {"m": 1.0, "cm": 0.01, "mm": 0.001}, "time": {"s": 1.0, "ms": 0.001}}
-_QUANTITIES = {
-    "h0": ("drop_height", "length"),
-    "drop_height": ("drop_height", "length"),
-    "h1": ("rebound_height", "length"),
-    "rebound_height": ("rebound_height", "length"),
-    "dt": ("interval", "time"),
-    "interval": ("interval", "time"),
-}
-_LABELS = {
-    "ball": "ball",
-    "ball_surface": "ball",
-    "interval_no": "number",
-    "launch": "launch",
-    "repeat": "launch",
+_NUMBERS = ("drop_height", "rebound_height", "interval")
+_NAMES = ("ball", "drop_height", "rebound_height", "launch", "number", "interval")
+_UNTOLD: dict[str, str | float] = {"ball": "ball", "launch": "", "drop_height": math.nan}
+_EXAMPLES = {
+    "drop_height": "h0_cm",
+    "rebound_height": "h1_cm",
+    "number": "interval_no",
+    "interval": "dt_s",
 }
 
 
@@ -60,13 +53,8 @@ class Readings:
 
 def holds_readings(path: str | Path) -> bool:
     """Whether a file is a table of rebound heights or bounce intervals rather than of trials."""
-    header = read_cells(path).columns
-    return "kind" not in header and any(
-        column == name or column.startswith(f"{name}_")
-        for column in header
-        for name, (quantity, _) in _QUANTITIES.items()
-        if quantity != "drop_height" and column not in _LABELS
-    )
+    header = set(read_cells(path))
+    return "kind" not in header and bool(header & {"rebound_height", "interval"})
 
 
 def read_readings(path: str | Path) -> Readings:
@@ -95,11 +83,12 @@ def read_readings(path: str | Path) -> Readings:
     """
     path = Path(path)
     cells = read_cells(path)
-    columns = {column: _understood(path.name, column) for column in cells}
-    needed = _needed(path.name, {name for name, _ in columns.values()})
+    needed = _needed(path.name, set(cells))
     rows, failed = [], []
-    for line, row in zip(cells.index, cells.to_dict("records"), strict=True):
-        reading = {name: _value(row[column], factor) for column, (name, factor) in columns.items() if name}
+    for line, cell in zip(cells.index, cells.to_dict("records"), strict=True):
+        reading = _UNTOLD | {
+            name: _number(cell[name]) if name in _NUMBERS else cell[name] for name in _NAMES if name in cell
+        }
         broken = _broken_rule(reading, needed)
         if broken:
             failed.append(f"{path.name}, line {line}: {broken}")
@@ -107,10 +96,7 @@ def read_readings(path: str | Path) -> Readings:
             rows.append(reading)
     if not rows:
         raise TrialTableError(failed[0] if failed else f"{path.name} holds no reading")
-    table = pd.DataFrame(rows).reindex(
-        columns=["ball", "drop_height", "rebound_height", "launch", "number", "interval"]
-    )
-    table["ball"] = table["ball"].fillna("ball")
+    table = pd.DataFrame(rows).reindex(columns=_NAMES)
     empty = table.iloc[:0]
     of_heights = "rebound_height" in needed
     return Readings(
@@ -118,41 +104,20 @@ def read_readings(path: str | Path) -> Readings:
     )
 
 
-def _understood(file: str, column: str) -> tuple[str, float]:
-    """Name of what a column holds and the factor to SI (0 for text); an empty name if it is nothing known."""
-    if column in _LABELS:
-        return _LABELS[column], 0.0
-    for name, (quantity, dimension) in _QUANTITIES.items():
-        units = _UNITS[dimension]
-        known = ", ".join(units)
-        if column == name:
-            raise TrialTableError(
-                f"{file}: column {column!r} must say its unit, such as {name}_{known.split(', ')[-1]}"
-            )
-        if column.startswith(f"{name}_"):
-            unit = column.removeprefix(f"{name}_")
-            if unit not in units:
-                raise TrialTableError(f"{file}: unit in {column!r} must be one of {known}, got {unit!r}")
-            return quantity, units[unit]
-    return "", 0.0
-
-
 def _needed(file: str, there: set[str]) -> tuple[str, ...]:
     needed = ("drop_height", "rebound_height") if "rebound_height" in there else ("number", "interval")
     for name in needed:
         if name not in there:
-            spelled = [column for column, (quantity, _) in _QUANTITIES.items() if quantity == name]
-            example = f"{spelled[0]}_cm" if spelled else "interval_no"
-            raise TrialTableError(f"{file} has no column of {name.replace('_', ' ')}, such as {example}")
+            raise TrialTableError(
+                f"{file} has no column of {name.replace('_', ' ')}, such as {_EXAMPLES[name]}"
+            )
     return needed
 
 
-def _value(cell: str, factor: float) -> str | float:
-    """Text as it is, a number in SI; NaN for a cell that is none."""
-    if not factor:
-        return cell.strip()
+def _number(cell: str) -> float:
+    """Give a number; NaN for a cell that is none."""
     try:
-        return float(cell) * factor
+        return number_of(cell)
     except ValueError:
         return math.nan
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from itertools import chain
+from reprlib import repr as shown
 
 TEXT_COLUMNS = ("trial", "kind", "status", "reason")
 VELOCITIES = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
@@ -66,6 +67,25 @@ def checked_row(row: Mapping[str, object], place: str) -> dict[str, object]:
     return judged
 
 
+def number_of(cell: object) -> float:
+    """Understand a number as people write it; Python's own ``1_5`` for 15 is no such number.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+
+    Examples
+    --------
+    >>> number_of("\u22122.5")
+    -2.5
+    """
+    text = str(cell).replace("\u2212", "-")  # the minus sign of word processors
+    if "_" in text:
+        raise ValueError(f"a number must be digits, sign, point and exponent, got {shown(cell)}")
+    return float(text)
+
+
 def _first_broken_rule(row: dict[str, object]) -> str:
     """Turn the row's cells into numbers, in place, and say which rule it breaks first; empty if none."""
     broken = [sentence for column in (*NUMBER_COLUMNS, "impact") if (sentence := _make_number(row, column))]
@@ -87,9 +107,9 @@ def _make_number(row: dict[str, object], column: str) -> str:
     if cell is None or cell == "":
         return ""
     try:
-        value = float(str(cell))
+        value = number_of(cell)
     except ValueError:
-        return f"{column} must be a number, got {cell!r}"
+        return f"{column} must be a number, got {shown(cell)}"
     if math.isnan(value):
         return ""
     if math.isinf(value):

@@ -35,9 +35,11 @@ COLUMNS = (
 def read_trials(paths: str | Path | Iterable[str | Path]) -> pd.DataFrame:
     r"""Read one trial table or several into one.
 
-    Comma, semicolon or tab between cells, a decimal comma where the separator is no comma, and a byte-order
-    mark are all understood. Only `kind`, `approach_velocity`, `upper_rebound_velocity` (and for kind ``two``
-    `lower_rebound_velocity`, `upper_mass`, `lower_mass`) must be there.
+    Comma, semicolon or tab between cells, decimal commas, the encodings of spreadsheets (see `cells`) and
+    units behind the names of columns, as in ``v0 [cm/s]`` (see `units`), are all understood; what may mean
+    two things is refused. Workbooks (.xlsx) are not read: save them as CSV. Only `kind`,
+    `approach_velocity`, `upper_rebound_velocity` (and for kind ``two`` `lower_rebound_velocity`,
+    `upper_mass`, `lower_mass`) must be there.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from calibrate.trials import check_trials, write_trials
 from experiments.apart import Limits, LostError, apart, end_helpers
 from experiments.cluster import connected
 from experiments.experiment import ExperimentError
-from experiments.record import Record, finished_record, forget, lost_record, sweep, told_of
+from experiments.record import Record, finished_record, forget, lost_record, refuse_links, sweep, told_of
 from experiments.trial import Trial
 
 
@@ -69,6 +69,8 @@ def process_all(trials: Sequence[Trial], batch: Batch) -> Generator[Record, None
     ------
     ExperimentError
         If `out` cannot be made, or the cluster does not answer.
+    ValueError
+        If a folder in `out` is a link that leads elsewhere.
     """
     try:
         batch.out.mkdir(parents=True, exist_ok=True)
@@ -76,6 +78,7 @@ def process_all(trials: Sequence[Trial], batch: Batch) -> Generator[Record, None
         raise ExperimentError(
             f"{batch.out}: cannot be made a folder for the results: {error.strerror}"
         ) from error
+    refuse_links(batch.out)
     names = [trial.name for trial in trials]
     sweep(batch.out, names)
     done: dict[str, Record] = {}

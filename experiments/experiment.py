@@ -16,6 +16,8 @@ from experiments.trial import Body, Camera, Trial
 __all__ = ["Body", "Camera", "ExperimentError", "Trial", "collect_trials", "read_experiment"]
 
 BODIES = ("upper", "lower", "ball", "cue", "striker", "struck")
+LARGEST = 5e6
+"""Bytes of an experiment file: tens of thousands of trials."""
 VIDEO_SUFFIXES = {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".mts", ".3gp", ".wmv"}
 
 
@@ -89,6 +91,10 @@ def read_experiment(path: Path) -> list[Trial]:
     ExperimentError
         Naming file, key, rule and value.
     """
+    if os.path.exists(path) and not path.is_file():
+        raise ExperimentError(f"{path}: cannot be read: must be a file of text, but is none")
+    if path.is_file() and path.stat().st_size > LARGEST:
+        raise ExperimentError(f"{path.name}: must have at most {LARGEST / 1e6:g} MB; split it")
     try:
         told = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:

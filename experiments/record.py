@@ -56,6 +56,8 @@ class Record:
 
 def told_of(trial: Trial, *, overlays: bool) -> dict[str, Any]:
     """Collect all that the results of a trial depend on, as JSON knows it; empty without its recording."""
+    if not trial.video.is_file():  # to open a pipe would wait for ever
+        return {}
     try:
         with trial.video.open("rb") as file:
             content = hashlib.file_digest(file, "sha256").hexdigest()
@@ -96,6 +98,25 @@ def finished_record(out: Path, name: str, told: Mapping[str, Any]) -> Record | N
 def forget(out: Path, name: str) -> None:
     """Remove the record of a trial that begins anew: its files are about to change."""
     _place(out, name).unlink(missing_ok=True)
+
+
+def refuse_links(out: Path) -> None:
+    """Make sure that results stay in `out`: what was unpacked there by somebody else may hold links.
+
+    Raises
+    ------
+    ValueError
+        If a folder of results is a link that leads elsewhere, or no folder.
+    """
+    home = out.resolve()
+    for folder in (out / name for name in FOLDERS):
+        if folder.is_symlink() and home not in folder.resolve().parents:
+            raise ValueError(
+                f"{folder} must lie in {out}, but is a link to {folder.resolve()}; remove the link, or give "
+                "another --out"
+            )
+        if folder.exists() and not folder.is_dir():
+            raise ValueError(f"{folder} must be a folder, but is a file; remove it, or give another --out")
 
 
 def sweep(out: Path, names: Collection[str]) -> None:

@@ -23,6 +23,8 @@ LONGEST_LENGTH = 1000.0  # m: nothing larger fits a laboratory
 SHORTEST_LENGTH = 1e-9  # m
 FARTHEST_PX = 1e6  # no camera has so many pixels in a row
 LONGEST_NAME = 200  # bytes: file systems allow 255 with the ending
+FORMULA = re.compile(r"[=@+]|-.*[(|!]")
+"""How names begin that a spreadsheet would compute when it opens trials.csv, whoever chose them."""
 NOT_IN_NAMES = re.compile(r"[/\\:\x00-\x1f\x7f\ud800-\udfff]")
 
 
@@ -149,6 +151,11 @@ class Trial:
                 f"name must be that of a file (no folder, none of / \\ :, at most {LONGEST_NAME} bytes), "
                 f"got {shown(self.name)}"
             )
+        for name in (self.name, self.video.name):
+            if FORMULA.match(name):
+                raise ValueError(
+                    f"name must not begin like a formula of a spreadsheet (=, +, @), got {shown(name)}"
+                )
         if self.start_px is not None:
             if not _is_point(self.start_px):
                 raise ValueError(f"start_px must be a point [x, y] in pixels, got {shown(self.start_px)}")

@@ -113,6 +113,6 @@ def test_a_broken_table_is_refused_in_one_sentence(tmp_path: Path, text: str, se
 
 
 def test_a_table_that_is_not_text_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "book.csv").write_bytes(b"PK\x03\x04\xff\xfe")
+    (tmp_path / "book.csv").write_bytes(b"\x89\x8d\xff\xfe")
     with pytest.raises(TrialTableError, match="not UTF-8 text"):
         read_trials(tmp_path / "book.csv")

@@ -16,6 +16,17 @@ from tracking.planes import Image, Planes
 
 PLANAR = ("yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p")
 OTHERWISE = "yuv444p"
+ARCHIVES = (
+    b"PK\x03\x04",
+    b"\x1f\x8b",
+    b"BZh",
+    b"\xfd7zXZ",
+    b"7z\xbc\xaf\x27\x1c",
+    b"Rar!",
+    b"\x28\xb5\x2f\xfd",
+)
+LISTS = (b"#EXTM3U", b"ffconcat", b"<?xml", b"<MPD", b"[playlist]", b"v=0")
+"""How playlists and descriptions of streams begin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +121,7 @@ def decode_only(path: Path | str) -> int:
 def _container(path: Path) -> av.container.InputContainer:
     """Open a file, or say why it is no recording."""
     again = "copy it again from the camera"
+    _refuse_containers_of_files(path)
     try:  # the whole path: a name like "10:32.mp4" would pass for an address
         whole = os.path.abspath(path)
         container = av.open(whole, options={"protocol_whitelist": "file"}, metadata_errors="replace")
@@ -124,6 +136,21 @@ def _container(path: Path) -> av.container.InputContainer:
         container.close()
         raise RecordingError(f"{path.name}: {reason}; give the video file itself")
     return container
+
+
+def _refuse_containers_of_files(path: Path) -> None:
+    """Refuse what holds or names other files, before a decoder follows it to any of them."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")
+    except OSError:
+        return  # the decoder library says why
+    if start.startswith(ARCHIVES):
+        raise RecordingError(f"{path.name}: is an archive, not a video; unpack it and give the videos in it")
+    if start.startswith(LISTS):
+        raise RecordingError(
+            f"{path.name}: is a list of other files, not a video; give the video file itself"
+        )
 
 
 def _no_video(container: av.container.InputContainer) -> str:

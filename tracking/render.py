@@ -124,9 +124,16 @@ def write_recording(
     shown, camera = truth(scene), scene.camera
     stretch = camera.fps / shown["file_fps"]
     times = frame_times(scene, play(scene)) * stretch if camera.jitter else None
+    clear_places(path)
     write_video(path, frames(scene), shown["file_fps"], crf=crf, preset=preset, times=times)
     path.with_suffix(".json").write_text(json.dumps(shown, indent=1) + "\n")
     return shown
+
+
+def clear_places(path: Path) -> None:
+    """Remove what lies where a recording and its truth will: a link there would be written through."""
+    for place in (path, path.with_suffix(".json")):
+        place.unlink(missing_ok=True)
 
 
 def ball_centres(scene: DropScene, ball: int, time: ArrayLike) -> Floats:
