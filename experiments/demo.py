@@ -102,6 +102,7 @@ def film(out: Path, *, seed: int, workers: int, truth: Truth | None = None) -> I
     """Render videos, their truth and an experiment.toml into `out`; yield each name when it is done."""
     truth = truth or Truth()
     scenes = dict(design(truth, np.random.default_rng(seed)))
+    out = out.resolve()  # processes that are kept for another run may work in another folder
     out.mkdir(parents=True, exist_ok=True)
     parallel = Parallel(n_jobs=workers, return_as="generator")
     jobs = (delayed(write_recording)(scene, out / f"{name}.mp4") for name, scene in scenes.items())

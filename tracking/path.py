@@ -18,6 +18,8 @@ FILL_SPREAD = 0.15
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
 STILL_COST = 0.5  # a frame; what rests is rather a ball that waits, or its ghost in the background
 STILL = 0.02  # radii a frame
+FALL_COST = 0.1  # a radius up or down in a frame
+LEAP_COST = 0.03  # its square: to another ball and back costs more than the way of one
 JUMP = 2.0  # radii: a thing at rest that is this far away in the next frame was not the ball
 RESTING = 3  # frames in one place
 LONGEST_GAP = 12  # frames a path may skip
@@ -112,7 +114,7 @@ def _step_costs(before: FloatArray, after: FloatArray, radius: float, gap: IntAr
     along = np.abs(before[1] - after[1]) / (radius * gap)
     fade = np.log(before[5] / after[5])
     still = STILL_COST * (across**2 + along**2 < STILL**2)
-    cost = across**2 + 0.1 * along + fade**2 + still
+    cost = across**2 + FALL_COST * along + LEAP_COST * along**2 + fade**2 + still
     return np.asarray(np.where(along * gap > LONGEST_STEP * np.minimum(gap, 3), np.inf, cost))
 
 

@@ -1,0 +1,38 @@
+"""Which patch of each picture is the ball: one path, and no leaps to another ball and back."""
+
+from dataclasses import replace
+
+from tracking.detect import Blob
+from tracking.path import best_path, guess_radius
+
+BALL = Blob(x=120, y=0, width=42, height=43, area=1420, contrast=78, at_border=False)
+"""Of 20 px radius."""
+
+
+def rising(number: int) -> Blob:
+    return replace(BALL, y=501 - 11.0 * number)
+
+
+def resting(number: int) -> Blob:
+    """The ball below, struck a moment ago: it moves a little, and looks as round."""
+    return replace(BALL, x=118.5, y=545 - 1.0 * number, contrast=95)
+
+
+def test_a_path_does_not_leap_to_another_ball_and_back() -> None:
+    frames = [[rising(number)] for number in range(4)]
+    frames += [[resting(number), rising(number)] for number in range(4, 14)]
+    for number in (4, 5, 6):  # its shadow clings to it a little
+        frames[number][1] = replace(rising(number), width=46, height=47, area=1700)
+    frames += [[rising(number)] for number in range(14, 24)]
+    assert best_path(frames, 20) == [0] * 4 + [1] * 10 + [0] * 10
+
+
+def test_a_ball_that_is_hidden_for_some_frames_stays_missing_there() -> None:
+    frames = [[rising(number)] if not 8 <= number < 11 else [] for number in range(20)]
+    assert best_path(frames, 20) == [-1 if 8 <= number < 11 else 0 for number in range(20)]
+
+
+def test_what_moves_farthest_and_clearest_tells_the_radius() -> None:
+    ghost = replace(BALL, y=100, width=10, height=10, area=78)
+    assert guess_radius([[rising(number), ghost] for number in range(20)]) == 21
+    assert guess_radius([[ghost] for _ in range(20)]) is None
