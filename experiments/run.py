@@ -75,13 +75,16 @@ def process(
 
     ball = Body(mass=ball_mass, diameter=ball_diameter)
     scale = {} if metres_per_pixel is None else {"metres_per_pixel": metres_per_pixel}
+    camera = Camera(capture_fps=capture_fps, readout=readout, scale=scale)
     trials = collect_trials(
         sources,
         kind=kind,
         bodies=dict.fromkeys(("upper", "lower", "ball", "striker", "struck"), ball),
-        camera=Camera(capture_fps=capture_fps, readout=readout, scale=scale),
+        camera=camera,
         start_px=start_px,
     )
+    if camera != Camera() and any(trial.camera != camera for trial in trials):
+        typer.echo("options of the camera serve bare videos only: experiment.toml has [camera]", err=True)
     batch = Batch(
         out=out,
         workers=cores() if workers is None else workers,
