@@ -13,9 +13,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from tracking.planes import Image
+
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-Image = npt.NDArray[np.uint8]
 Guess = tuple[float, float, float]
 """x, y and radius of a circle, px."""
 

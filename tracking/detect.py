@@ -52,6 +52,11 @@ class Blob:
     at_border: bool
 
     @property
+    def blur(self) -> float:
+        """How much longer than wide it is, px: a ball that moves is smeared."""
+        return abs(self.height - self.width)
+
+    @property
     def fill(self) -> float:
         """Area over the area of the ellipse that fits the bounding box."""
         return self.area / (np.pi / 4 * self.width * self.height)

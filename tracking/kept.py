@@ -105,7 +105,8 @@ class Keeper:
 
 def relive(pictures: Sequence[Planes], frames: Sequence[Kept], wanted: Sequence[int]) -> Iterator[Planes]:
     """Give some frames in turn, all in one piece of memory: each holds until the next is taken."""
-    shown, changed = -1, frames[0].windows[:0]
+    shown = -1
+    changed: tuple[Window, ...] = ()
     for number in wanted:
         kept = frames[number]
         if kept.picture != shown:

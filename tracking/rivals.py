@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from tracking.detect import Blob
 from tracking.errors import RecordingError
+from tracking.path import first_turn
 
 FloatArray = npt.NDArray[np.float64]
 Path = Mapping[int, Blob]
@@ -54,8 +54,7 @@ def is_rival(other: Path, path: Path, radius: float) -> bool:
 def acceleration(path: Path, radius: float) -> float | None:
     """Downward acceleration of a ball before it first turns, px a frame²; None if it does not fall freely."""
     number, depth = np.array(list(path), dtype=np.float64), np.array([blob.y for blob in path.values()])
-    turns, _ = find_peaks(depth, prominence=radius / 2)
-    turn = int(turns[0]) if turns.size else int(np.argmax(depth))
+    turn = first_turn(depth, radius)
     moving = np.flatnonzero(depth[turn] - depth[: turn + 1] < LONG_FALL * radius)
     fall = slice(max(0, int(moving[0]) - FEWEST_FRAMES), turn)
     if fall.stop - fall.start < FEWEST_FRAMES or depth[turn] - depth[fall.start] < LONG_FALL * radius:
@@ -73,11 +72,11 @@ def nearest(paths: Sequence[Path], start_px: Sequence[float], size: tuple[int, i
     RecordingError
         If none begins there.
     """
-    starts = [next(iter(path.values())) for path in paths]
+    starts = _starts(paths)
     away = [float(np.hypot(blob.x - start_px[0], blob.y - start_px[1])) for blob in starts]
     best = int(np.argmin(away))
     if away[best] > max(CLICK_SHARE * max(size), 1.5 * starts[best].width):
-        at = ", ".join(f"({blob.x:.0f}, {blob.y:.0f})" for blob in starts)
+        at = ", ".join(map(_place, starts))
         raise RecordingError(
             f"{name}: no ball starts near start_px ({start_px[0]:g}, {start_px[1]:g}); those that move are "
             f"first seen at {at} px"
@@ -87,10 +86,17 @@ def nearest(paths: Sequence[Path], start_px: Sequence[float], size: tuple[int, i
 
 def refusal(paths: Sequence[Path], name: str) -> RecordingError:
     """Say that two balls fall, and how to choose."""
-    at = " and ".join(
-        f"({blob.x:.0f}, {blob.y:.0f})" for blob in (next(iter(path.values())) for path in paths)
-    )
+    at = " and ".join(map(_place, _starts(paths)))
     return RecordingError(
         f"{name}: two balls fall, first seen at {at} px; say with --start-px (start_px in experiment.toml) "
         "which one to measure, or film one ball alone"
     )
+
+
+def _starts(paths: Sequence[Path]) -> list[Blob]:
+    """Give where each ball is first seen."""
+    return [next(iter(path.values())) for path in paths]
+
+
+def _place(blob: Blob) -> str:
+    return f"({blob.x:.0f}, {blob.y:.0f})"

@@ -64,7 +64,7 @@ def sight_resting(recording: Recording, guess: Guess) -> list[Sighting]:
 
 def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> Limb:
     """Measure the limb of a ball on some pictures in which its motion smears it little."""
-    sharper = sorted(sorted(path, key=lambda number: _blur(path[number]))[: len(path) // 2 + 1])
+    sharper = sorted(sorted(path, key=lambda number: path[number].blur)[: len(path) // 2 + 1])
     some = {sharper[i] for i in np.linspace(0, len(sharper) - 1, LIMB_FRAMES).astype(int)}
     cuttings = [_cut_on_path(view, path, radius) for view in revisit(recording, some)]
     return limb_of(cuttings, _sight_on_path(cuttings, path, radius))
@@ -72,14 +72,14 @@ def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
     blob = path[view.index]
-    return cut_out(view, (blob.x, blob.y), _half(radius, _blur(blob)))
+    return cut_out(view, (blob.x, blob.y), _half(radius, blob.blur))
 
 
 def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See the ball in a batch; again with the radius of the frames around where that is another."""
     blobs = [path[cutting.frame] for cutting in cuttings]
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
-    blur = np.array([_blur(blob) for blob in blobs])
+    blur = np.array([blob.blur for blob in blobs])
     found = _sight(cuttings, guesses, blur)
     for _ in range(REFITS):
         around = _radius_around(found, radius)
@@ -95,13 +95,16 @@ def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius
 
 def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArray:
     """Median radius in the sharp frames around each one: a ball that comes nearer grows."""
-    sharp = [i for i, s in enumerate(found) if s is not None and s.blur < SMEARED * radius]
-    if not sharp:
+    seen = {
+        i: sighting.circle.radius
+        for i, sighting in enumerate(found)
+        if sighting is not None and sighting.blur < SMEARED * radius
+    }
+    if not seen:
         return np.full(len(found), radius)
-    seen = [s.circle.radius for s in found if s is not None and s.blur < SMEARED * radius]
-    padded = np.pad(seen, MEMORY // 2, mode="edge")
+    padded = np.pad(list(seen.values()), MEMORY // 2, mode="edge")
     around = np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1)
-    return np.asarray(np.interp(np.arange(len(found)), sharp, around))
+    return np.asarray(np.interp(np.arange(len(found)), list(seen), around))
 
 
 def _advance(
@@ -183,11 +186,6 @@ def _find_resting(image: Image, guess: Guess) -> Guess:
         guesses = [(c.x, c.y, radius) for c in circles]
     best = min(circles, key=lambda circle: circle.y_sd / circle.inliers, default=None)
     return guess if best is None else (best.x, best.y, radius)
-
-
-def _blur(blob: Blob) -> float:
-    """How much longer than wide a patch is, px: a ball that moves is smeared."""
-    return abs(blob.height - blob.width)
 
 
 def _half(radius: float, blur: float) -> float:

@@ -12,12 +12,8 @@ from tracking.sighting import cut_out
 from tracking.video import revisit
 
 RADIUS_FRAMES = 9  # pictures on which the radius is measured
-STARTING_SIZES = (
-    1.0,
-    1.2,
-    1.45,
-    1.75,
-)  # times the width at half contrast, which misses the dark side of a ball
+STARTING_SIZES = (1.0, 1.2, 1.45, 1.75)
+"""Times the width at half contrast, which misses the dark side of a ball."""
 HALF_WIDTH = 3.0  # of what is looked at, times the first guess
 REFITS = 5
 SETTLED_PX = 0.01
@@ -41,7 +37,7 @@ def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float)
     float
         Radius, px; the guess if no outline is found.
     """
-    sharpest = sorted(path, key=lambda number: abs(path[number].height - path[number].width))[:RADIUS_FRAMES]
+    sharpest = sorted(path, key=lambda number: path[number].blur)[:RADIUS_FRAMES]
     cuttings = [
         cut_out(view, (path[view.index].x, path[view.index].y), HALF_WIDTH * guess)
         for view in revisit(recording, set(sharpest))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from tracking.errors import RecordingError
 from tracking.follow import Sighting, moving_balls
 from tracking.outline import Outlines, trace_outlines
+from tracking.rivals import CLICK_SHARE
 from tracking.scale import Scale, to_metres
 from tracking.tip import track_tip
 from tracking.track import Track
@@ -19,7 +20,6 @@ FloatArray = npt.NDArray[np.float64]
 STARTED = 0.25  # radii from its place of rest: the ball has been struck
 REST_FRAMES = 3
 GONE_FRAMES = 3  # after the start, when the ball's direction shows
-CLICK_SHARE = 0.05  # of the picture's longer side: as near as a person points
 TOGETHER = 2.5  # frames within which two balls start together
 
 

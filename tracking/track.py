@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from tracking.circle import Guess, fit_circles
 from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
-from tracking.path import MISSING, best_path, guess_radius
+from tracking.path import MISSING, best_path, first_turn, guess_radius
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
 from tracking.sight import sight_along, sight_resting
@@ -101,10 +100,10 @@ def track_balls(
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
     candidates = _candidates(recording)
-    path, rough = _choose_path(recording, candidates, radius)
+    path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
         radius = measure_radius(recording, path, rough)
-        path, _ = _choose_path(recording, candidates, radius)
+        path, _ = _find_ball(recording, candidates, radius)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
     if lower is not None:
@@ -129,22 +128,27 @@ def _candidates(recording: Recording) -> dict[int, list[Blob]]:
     return {view.index: find_blobs(view, background) for view in revisit(recording)}
 
 
-def _choose_path(
+def _find_ball(
     recording: Recording, candidates: Mapping[int, Sequence[Blob]], radius: float | None
 ) -> tuple[dict[int, Blob], float]:
     """Choose the ball among the candidates of every frame, and its radius if it was not given."""
+    radius = guess_radius(list(candidates.values())) if radius is None else radius
+    path = {} if radius is None else _choose_path(candidates, radius)
+    if radius is None or not path:
+        raise RecordingError(
+            f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
+            "a background of another colour, whole and in focus, with more frames a second if it is very "
+            "fast, and check --ball-diameter and the scale"
+        )
+    return path, radius
+
+
+def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dict[int, Blob]:
+    """Choose the path of a ball of some radius, px; empty if it is seen in too few frames."""
     blobs = list(candidates.values())
-    radius = guess_radius(blobs) if radius is None else radius
-    if radius is not None:
-        chosen = zip(candidates, blobs, best_path(blobs, radius), strict=True)
-        path = {number: seen[index] for number, seen, index in chosen if index != MISSING}
-        if len(path) >= FEWEST_FRAMES:
-            return path, radius
-    raise RecordingError(
-        f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against a "
-        "background of another colour, whole and in focus, with more frames a second if it is very fast, and "
-        "check --ball-diameter and the scale"
-    )
+    chosen = zip(candidates, blobs, best_path(blobs, radius), strict=True)
+    path = {number: seen[index] for number, seen, index in chosen if index != MISSING}
+    return path if len(path) >= FEWEST_FRAMES else {}
 
 
 def _the_one(
@@ -155,10 +159,7 @@ def _the_one(
 ) -> dict[int, Blob]:
     """Look for a second ball that falls, and choose by where it starts; `told` are radius and place."""
     radius, start_px = told
-    try:
-        other, _ = _choose_path(recording, without(path, candidates, radius), radius)
-    except RecordingError:
-        other = {}
+    other = _choose_path(without(path, candidates, radius), radius)
     paths = [path, other] if other and is_rival(other, path, radius) else [path]
     if start_px is not None:
         return dict(nearest(paths, start_px, recording.size, recording.path.name))
@@ -171,8 +172,7 @@ def _place_below(path: Sequence[Blob], radius: float, lower: float) -> Guess:
     """Guess the resting ball: under the place where the falling ball first turns."""
     seen = [blob for blob in path if blob.height < 3 * radius]
     depth = np.array([blob.y for blob in seen])
-    turns, _ = find_peaks(depth, prominence=radius / 2)
-    turn = seen[turns[0] if turns.size else int(np.argmax(depth))]
+    turn = seen[first_turn(depth, radius)]
     return turn.x, turn.y + radius * (1 + lower), radius * lower
 
 

@@ -139,21 +139,6 @@ def _steady(view: View, drift: FloatArray) -> View:
     return replace(view, planes=held_still(view.planes, drift[view.index]), changed=None)
 
 
-@dataclass(slots=True, kw_only=True)
-class _Scan:
-    """What one pass over the file collects."""
-
-    stamps: list[float | None] = field(default_factory=list)
-    keeper: Keeper = field(default_factory=Keeper)
-    spread: "_Spread" = field(default_factory=lambda: _Spread())
-    stored_size: tuple[int, int] = (0, 0)
-    size: tuple[int, int] = (0, 0)
-    quarter_turns: int = 0
-    interlaced: int = 0
-    tagged_fps: float | None = None
-    notes: list[str] = field(default_factory=list)
-
-
 @dataclass(slots=True)
 class _Spread:
     """Some pictures as the decoder gave them, by number, evenly spread however many there will be."""
@@ -175,6 +160,21 @@ class _Spread:
         numbers = list(self.pictures)
         chosen = np.linspace(0, len(numbers) - 1, min(MOST_LOOKS, len(numbers))).astype(int)
         return {numbers[k]: self.pictures[numbers[k]].planes() for k in chosen}
+
+
+@dataclass(slots=True, kw_only=True)
+class _Scan:
+    """What one pass over the file collects."""
+
+    stamps: list[float | None] = field(default_factory=list)
+    keeper: Keeper = field(default_factory=Keeper)
+    spread: _Spread = field(default_factory=_Spread)
+    stored_size: tuple[int, int] = (0, 0)
+    size: tuple[int, int] = (0, 0)
+    quarter_turns: int = 0
+    interlaced: int = 0
+    tagged_fps: float | None = None
+    notes: list[str] = field(default_factory=list)
 
 
 def _scan(path: Path) -> _Scan:
