@@ -6,8 +6,6 @@ them may by chance fit a little better than the true one; and few repeats know t
 Simulated experiments show that the rule then excludes the truth two or three times too often. So a value
 is excluded only if it also fits badly by itself: if its chi-square exceeds the quantile for all the
 independent numbers measured less the two restitutions that are free at a given ratio.
-
-What follows at a given ratio, a restitution for instance, has one smooth valley: there the usual rule holds.
 """
 
 from scipy import stats
@@ -30,10 +28,6 @@ def limit(smallest: float, degrees_of_freedom: int, level: float) -> float:
     >>> round(limit(1.0, 1, 0.95), 2), round(limit(9.0, 1, 0.95), 2)
     (5.99, 12.84)
     """
+    rise = stats.chi2.ppf(level, 1)
     by_itself = stats.chi2.ppf(level, max(degrees_of_freedom, 0) + 1)
-    return float(max(smallest + rise(level), by_itself))
-
-
-def rise(level: float) -> float:
-    """How far chi-square may rise above the bottom of one smooth valley at a confidence level."""
-    return float(stats.chi2.ppf(level, 1))
+    return float(max(smallest + rise, by_itself))

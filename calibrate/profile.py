@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calibrate.basins import Basin, refined_basins
 from calibrate.descent import Trace, descend, jacobian, over_the_edge, promising, search, search_from_each
 from calibrate.intervals import Interval, joined
-from calibrate.limits import limit, rise
+from calibrate.limits import limit
 from calibrate.misfit import Misfit
 
 Array = NDArray[np.float64]
@@ -104,8 +104,8 @@ def propagate(
 ) -> tuple[Array, Array]:
     """Confidence intervals of anything computed from the parameters.
 
-    At each ratio inside the set the restitutions may still stray as far as the rest of the threshold allows,
-    and no further than they might if that ratio were known; how far that moves the quantity is taken linearly.
+    At each ratio inside the set the restitutions may still stray as far as the rest of the threshold allows;
+    how far that moves the quantity is taken linearly.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def propagate(
     """
     inside = profile.inside(level)
     log_ratio, at = profile.trace.log_ratio[inside], profile.trace.restitutions[inside]
-    room = np.minimum(profile.limit(level) - profile.trace.chi_square[inside], rise(level))
+    room = profile.limit(level) - profile.trace.chi_square[inside]
     slopes = jacobian(misfit, log_ratio, at, misfit.residuals(log_ratio, at))
     covariance = np.linalg.inv(np.swapaxes(slopes, 1, 2) @ slopes + 1e-9 * np.eye(2))
     value = quantity(log_ratio, at)
