@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 SMALL_MOTION = 3.0  # a ball that hardly moves is compressed worse than one that flies, by this factor
 MEMORY = 0.004  # s after which compression errs anew
-UNSHOWN = 5.0  # a lower hop, in errors of compression, may be left out of the picture in part
+UNSHOWN = 8.0  # a hop lower than this, in errors of compression, may be left out of the picture in part
 REST_SHARE_SD = 0.001  # how well heights near the plate compare with that of rest, as a share of the radius
 NOISE_FRAMES = 4  # the noise is known as if from so many frames
 VELOCITIES = 300
