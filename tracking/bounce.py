@@ -87,7 +87,8 @@ def until_next_meeting(bounce: Bounce, upper: Track, lower: Track) -> Bounce:
     Neither flight nor a bounce of the lower ball on the plate makes a shrinking distance between them grow.
     """
     apart = upper.y[bounce.after] - np.interp(upper.time[bounce.after], lower.time, lower.y)
-    nearest, _ = find_peaks(-apart, prominence=PROMINENCE * upper.radius)
+    noise = float(np.hypot(np.median(upper.y_sd), np.median(lower.y_sd)))
+    nearest, _ = find_peaks(-apart, prominence=6 * noise)
     return replace(bounce, after=bounce.after[: nearest[0]]) if nearest.size else bounce
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tracking.flight import Flight, apex, position
+from tracking.flight import Flight, position
 from tracking.sides import before_and_after
 from tracking.track import Track
 
@@ -23,7 +23,7 @@ MEMORY = 0.004  # s after which compression errs anew
 UNSHOWN = 8.0  # a hop lower than this, in errors of compression, may be left out of the picture in part
 REST_SHARE_SD = 0.001  # how well heights near the plate compare with that of rest, as a share of the radius
 NOISE_FRAMES = 4  # the noise is known as if from so many frames
-VELOCITIES = 300
+VELOCITIES = 200  # tried, first widely and then around the best
 FARTHEST = 5.0  # standard deviations up to which velocities are weighed
 
 
@@ -70,17 +70,17 @@ def low_hop(lower: Track, impact: float, flight: Flight) -> tuple[float, float] 
     before, after = before_and_after(lower, impact)
     if not (before.size and after.size):
         return None
-    since, sd = lower.time[after] - impact, np.hypot(lower.y_sd[after], SMALL_MOTION * lower.shared_sd)
-    level = REST_SHARE_SD * lower.radius
+    since, frame_sd = lower.time[after] - impact, lower.y_sd[after]
+    compression, level = SMALL_MOTION * lower.shared_sd, REST_SHARE_SD * lower.radius
     alike = np.exp(-np.abs(np.subtract.outer(since, since)) / MEMORY)
     seen = _Seen(
         since=since,
         lift=lower.y[after] - float(np.median(lower.y[before])),
-        noise=np.outer(sd, sd) * alike + level**2,
+        noise=np.diag(frame_sd**2) + compression**2 * alike + level**2,
         unshown=UNSHOWN * lower.shared_sd,
     )
     # the highest hop that these frames allow, or that is over before the first of them
-    highest = max(float(seen.lift.max()), 0.0) + FARTHEST * float(np.hypot(np.median(sd), level))
+    highest = max(float(seen.lift.max()), 0.0) + FARTHEST * float(np.sqrt(np.median(np.diag(seen.noise))))
     fastest = max(float(np.sqrt(2 * flight.gravity * highest)), flight.gravity * float(since[0]) / 2)
     seen = seen.until(2 * fastest / flight.gravity)
     mean, spread = _weigh(seen, flight, np.linspace(0, fastest, VELOCITIES))
@@ -90,27 +90,27 @@ def low_hop(lower: Track, impact: float, flight: Flight) -> tuple[float, float] 
 
 def _weigh(seen: _Seen, flight: Flight, velocities: FloatArray) -> tuple[float, float]:
     """Mean and standard deviation of launch velocities weighed by their likelihood."""
-    likelihood = np.array([_log_likelihood(seen, flight, float(velocity)) for velocity in velocities])
+    likelihood = _log_likelihood(seen, flight, velocities)
     weight = np.exp(likelihood - likelihood.max())
     mean = float(np.average(velocities, weights=weight))
     return mean, float(np.sqrt(np.average((velocities - mean) ** 2, weights=weight)))
 
 
-def _log_likelihood(seen: _Seen, flight: Flight, velocity: float) -> float:
-    """How well the frames agree with a launch velocity: Student's t, as the noise is not known exactly."""
-    half, top = apex(flight, velocity)
-    rise = np.where(seen.since < 2 * half, position(flight, velocity, seen.since), 0.0)
-    lost = float(np.clip(2 - top / seen.unshown, 0, 1)) if seen.unshown > 0 else 0.0
-    # between nothing and all of what is lost is as likely as not: a uniform distribution
-    part = np.outer(rise, rise) * lost**2 / 12
-    rise *= 1 - lost / 2
-    # after the landing it is anywhere in a lower hop
-    landed = seen.since >= 2 * half
-    rise[landed] = top / 3
-    lower = np.linalg.cholesky(seen.noise + part + np.diag(landed * (top / 3) ** 2))
-    distance = np.linalg.solve(lower, seen.lift - rise)
-    frames = len(seen.since)
-    return float(
-        -np.log(np.diag(lower)).sum()
-        - (NOISE_FRAMES + frames) / 2 * np.log1p(distance @ distance / NOISE_FRAMES)
-    )
+def _log_likelihood(seen: _Seen, flight: Flight, velocities: FloatArray) -> FloatArray:
+    """How well the frames agree with launch velocities: Student's t, as the noise is not known exactly.
+
+    What may be lost of a low hop is uniform, from nothing to all. After its landing the ball is anywhere in a
+    lower hop.
+    """
+    velocity = velocities[:, None]
+    top = velocity**2 / (2 * flight.gravity)
+    flying = seen.since < 2 * velocity / flight.gravity
+    rise = np.where(flying, position(flight, velocity, seen.since), 0.0)
+    lost = np.clip(2 - top / seen.unshown, 0, 1) if seen.unshown > 0 else np.zeros_like(top)
+    part, later = rise * lost / np.sqrt(12), np.where(flying, 0.0, top / 3)
+    spread = part[:, :, None] * part[:, None, :] + later[:, :, None] ** 2 * np.eye(len(seen.since))
+    lower = np.linalg.cholesky(seen.noise + spread)
+    distance = np.linalg.solve(lower, (seen.lift - rise * (1 - lost / 2) - later)[:, :, None])
+    misfit = np.log1p(np.sum(distance**2, axis=(1, 2)) / NOISE_FRAMES)
+    size = np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
+    return np.asarray(-size - (NOISE_FRAMES + len(seen.since)) / 2 * misfit)
