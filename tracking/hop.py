@@ -18,11 +18,13 @@ from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
-SMALL_MOTION = 3.0  # a ball that hardly moves is compressed worse than one that flies, by this factor
-MEMORY = 0.004  # s after which compression errs anew
-UNSHOWN = 8.0  # a hop lower than this, in errors of compression, may be left out of the picture in part
-REST_SHARE_SD = 0.001  # how well heights near the plate compare with that of rest, as a share of the radius
+SMALL_MOTION = 2.0  # a ball that hardly moves is compressed worse than one that flies, by this factor
+UNSHOWN = 3.0  # of a hop lower than this many errors of compression any part may be left out of the picture
+MEMORY = 0.006  # s after which a picture errs anew
+LEAST_SEEMING = 0.2  # frames may be ever closer to each other, errors do not grow with it
+REST_SHARE_SD = 0.0015  # how well heights near the plate compare with that of rest, as a share of the radius
 NOISE_FRAMES = 4  # the noise is known as if from so many frames
+MOST_FRAMES = 80  # more are alike, and are left out evenly
 VELOCITIES = 200  # tried, first widely and then around the best
 FARTHEST = 5.0  # standard deviations up to which velocities are weighed
 
@@ -38,16 +40,6 @@ class _Seen:
     lift: FloatArray
     noise: FloatArray
     unshown: float
-
-    def until(self, time: float) -> "_Seen":
-        """Leave out what is seen later than some time after the impact."""
-        kept = self.since <= time
-        return _Seen(
-            since=self.since[kept],
-            lift=self.lift[kept],
-            noise=self.noise[np.ix_(kept, kept)],
-            unshown=self.unshown,
-        )
 
 
 def low_hop(lower: Track, impact: float, flight: Flight) -> tuple[float, float] | None:
@@ -70,22 +62,30 @@ def low_hop(lower: Track, impact: float, flight: Flight) -> tuple[float, float] 
     before, after = before_and_after(lower, impact)
     if not (before.size and after.size):
         return None
-    since, frame_sd = lower.time[after] - impact, lower.y_sd[after]
-    compression, level = SMALL_MOTION * lower.shared_sd, REST_SHARE_SD * lower.radius
-    alike = np.exp(-np.abs(np.subtract.outer(since, since)) / MEMORY)
-    seen = _Seen(
-        since=since,
-        lift=lower.y[after] - float(np.median(lower.y[before])),
-        noise=np.diag(frame_sd**2) + compression**2 * alike + level**2,
-        unshown=UNSHOWN * lower.shared_sd,
-    )
+    since, lift = lower.time[after] - impact, lower.y[after] - float(np.median(lower.y[before]))
+    compression, level = SMALL_MOTION * lower.shared_sd / _seeming(lower), REST_SHARE_SD * lower.radius
     # the highest hop that these frames allow, or that is over before the first of them
-    highest = max(float(seen.lift.max()), 0.0) + FARTHEST * float(np.sqrt(np.median(np.diag(seen.noise))))
+    sd = float(np.linalg.norm([np.median(lower.y_sd[after]), compression, level]))
+    highest = max(float(lift.max()), 0.0) + FARTHEST * sd
     fastest = max(float(np.sqrt(2 * flight.gravity * highest)), flight.gravity * float(since[0]) / 2)
-    seen = seen.until(2 * fastest / flight.gravity)
+    early = np.flatnonzero(since <= 2 * fastest / flight.gravity)
+    early = early[:: 1 + len(early) // MOST_FRAMES]
+    alike = np.exp(-np.abs(np.subtract.outer(since[early], since[early])) / MEMORY)
+    seen = _Seen(
+        since=since[early],
+        lift=lift[early],
+        noise=np.diag(lower.y_sd[after[early]] ** 2) + (compression**2 + level**2) * alike + level**2,
+        unshown=UNSHOWN * compression,
+    )
     mean, spread = _weigh(seen, flight, np.linspace(0, fastest, VELOCITIES))
     reach = FARTHEST * max(spread, fastest / VELOCITIES)
     return _weigh(seen, flight, np.linspace(max(mean - reach, 0.0), mean + reach, VELOCITIES))
+
+
+def _seeming(track: Track) -> float:
+    """Share of an error with memory that `path_scatter` sees, which takes third differences of neighbours."""
+    alike = float(np.exp(-np.median(np.diff(track.time)) / MEMORY))
+    return max(float(np.sqrt(np.polyval([-0.1, 0.6, -1.5, 1.0], alike))), LEAST_SEEMING)
 
 
 def _weigh(seen: _Seen, flight: Flight, velocities: FloatArray) -> tuple[float, float]:
