@@ -166,7 +166,7 @@ def _fits(impact: Impact, tracks: Sequence[Track], flights: Sequence[Flight]) ->
     if len(tracks) > 1:
         lower = tracks[1]
         landing = impact.time + 2 * apex(flights[1], impact.velocities[2])[0]
-        hop = np.append(after[after < landing], min(landing, after[-1]))
+        hop = np.union1d(after[after < landing], min(landing, after[-1]))
         parts.append((lower, hop, 2, float(np.median(lower.y[lower.time < moment]))))
     fits = []
     for track, time, which, height in parts:
