@@ -33,12 +33,9 @@ def find_doubt(impact: Impact, capture_fps: float, likely_fps: int | None = None
     if gravity_is_wrong(impact):
         return _wrong_gravity(impact, capture_fps, likely_fps)
     approach, rebound = impact.velocities[:2]
-    vague = float(np.nanmax(impact.sd))
-    if not vague <= VAGUE * abs(approach):
-        return (
-            f"a velocity is known to ± {vague:.2g} m/s only; film the ball larger and sharper, "
-            "with more frames before and after the impact"
-        )
+    vague = ~(impact.sd <= VAGUE * abs(approach)) & ~np.isnan(impact.velocities)
+    if vague.any():
+        return _vague_hop(impact, capture_fps) if not vague[:2].any() else _vague_fall(impact)
     apart = np.abs(impact.free_velocities - impact.velocities)
     if np.any(apart > CERTAIN * np.hypot(impact.free_sd, impact.sd)):
         free = ", ".join(f"{value:.3f}" for value in impact.free_velocities if np.isfinite(value))
@@ -53,6 +50,26 @@ def find_doubt(impact: Impact, capture_fps: float, likely_fps: int | None = None
             "drop it straight above the middle"
         )
     return ""
+
+
+def _vague_fall(impact: Impact) -> str:
+    """Say that the flight of the upper ball tells too little, and what helps."""
+    return (
+        f"a velocity is known to ± {np.nanmax(impact.sd):.2g} m/s only; film the ball larger and sharper, "
+        "with more frames before and after the impact"
+    )
+
+
+def _vague_hop(impact: Impact, capture_fps: float) -> str:
+    """Say that the hop of the lower ball tells too little, and what helps."""
+    sd = float(impact.sd[2])
+    fastest = float(impact.velocities[2]) + sd
+    height, lasting = fastest**2 / (2 * STANDARD_GRAVITY), 2 * fastest / STANDARD_GRAVITY
+    return (
+        f"the lower ball's velocity is known to ± {sd:.2g} m/s only, for it hops low and briefly (up to "
+        f"{1000 * height:.1f} mm, for {1000 * lasting:.0f} ms or {lasting * capture_fps:.1f} frames); record "
+        "more frames a second, film it larger, drop from higher, or take another pair of masses"
+    )
 
 
 def find_shot_doubt(shot: Shot) -> str:

@@ -25,7 +25,7 @@ from experiments.rows import cells, empty_row, judgement
 from experiments.trial import Body, Trial
 from tracking.budget import Budget
 from tracking.errors import RecordingError
-from tracking.flight import Flight, position
+from tracking.flight import Flight, apex, position
 from tracking.overlay import Moment, Scene, outline_of
 from tracking.scale import Scale, local_scale, to_metres, to_pixels
 from tracking.shutter import with_row_times
@@ -164,12 +164,14 @@ def _fits(impact: Impact, tracks: Sequence[Track], flights: Sequence[Flight]) ->
     after = np.append(moment, upper.time[upper.time > moment][: impact.frames[1]])
     parts = [(upper, before, 0, impact.height), (upper, after, 1, impact.height)]
     if len(tracks) > 1:
-        parts.append((tracks[1], after, 2, float(np.median(tracks[1].y[tracks[1].time < moment]))))
+        lower = tracks[1]
+        landing = impact.time + 2 * apex(flights[1], impact.velocities[2])[0]
+        hop = np.union1d(after[after < landing], min(landing, after[-1]))
+        parts.append((lower, hop, 2, float(np.median(lower.y[lower.time < moment]))))
     fits = []
     for track, time, which, height in parts:
         flight = flights[0 if track is upper else 1]
         rise = position(flight, impact.velocities[which], time - impact.time)
-        kept = (rise >= 0) | (track is upper)
-        path = np.column_stack((time, np.interp(time, track.time, track.x), height + rise))[kept]
+        path = np.column_stack((time, np.interp(time, track.time, track.x), height + rise))
         fits.append(Fit(ball=track.ball, path=path))
     return fits

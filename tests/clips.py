@@ -18,6 +18,6 @@ class Clip:
     truth: dict[str, Any]
 
 
-def film(scene: DropScene, path: Path) -> Clip:
+def film(scene: DropScene, path: Path, *, crf: int | None = 20) -> Clip:
     """Render a recording to `path`."""
-    return Clip(path=path, scene=scene, truth=write_recording(scene, path))
+    return Clip(path=path, scene=scene, truth=write_recording(scene, path, crf=crf))

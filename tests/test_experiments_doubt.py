@@ -54,6 +54,17 @@ def test_a_model_the_frames_contradict_is_suspect() -> None:
     assert "check mass, scale and rate" in doubt
 
 
+def test_a_hop_too_low_to_tell_is_no_fault_of_scale_or_rate() -> None:
+    fall = first(bounce())
+    hop = replace(fall, velocities=np.array([-2.0, 1.7, 0.05]), covariance=np.diag([1e-6, 1e-6, 0.3**2]))
+    doubt = find_doubt(hop, 240)
+    assert doubt.startswith(
+        "the lower ball's velocity is known to ± 0.3 m/s only, for it hops low and briefly"
+    )
+    assert "(up to 6.2 mm, for 71 ms or 17.1 frames); record more frames a second, film it larger" in doubt
+    assert find_doubt(replace(hop, covariance=np.diag([1e-6, 1e-6, 0.03**2])), 240) == ""
+
+
 def test_a_ramp_into_slow_motion_is_suspect() -> None:
     track = bounce()
     ramp = replace(track, time=np.where(track.time < AT, track.time, AT + 2 * (track.time - AT)))

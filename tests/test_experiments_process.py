@@ -60,6 +60,9 @@ def test_ball_on_the_plate(plate: Measured, plate_clip: Clip) -> None:
 def test_ball_on_a_ball_at_rest(two_clip: Clip) -> None:
     measured = measure(trial_of(two_clip.path, "two"))
     assert_true(first_row(measured), two_clip.truth)
+    hop = measured.fits[-1]
+    assert hop.ball == "lower"
+    assert np.ptp(hop.path[[0, -1], 2]) < 1e-4 < 1e-3 < np.ptp(hop.path[:, 2])  # it ends at its landing
     assert [track.ball for track in measured.tracks] == ["upper", "lower"]
     assert len(measured.rows) == 1
 

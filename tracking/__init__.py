@@ -17,6 +17,7 @@ The way of a recording through the room, one file a step:
 `bounce`         where in a track the impacts lie
 `flight`         how a ball flies through air, in closed form
 `joint`          flights that meet at an impact, fitted together
+`hop`            how fast a ball leaves the plate that hardly leaves it
 `budget`         what scale, air, rate, gravity and readout may do to all frames alike
 `velocity`       `Track` → `Impact`: velocities, covariance, gravity check
 `strike`         a cue shot: the ball that is struck, and the cue's tip; `shot` measures it

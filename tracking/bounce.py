@@ -1,6 +1,6 @@
 """Where in a track the impacts lie, and which frames belong to the flight before and after each."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -79,6 +79,17 @@ def _split_at_impact(track: Track, before: IndexArray, after: IndexArray) -> Bou
         before=before[track.time[before] < impact - interval / 2],
         after=after[track.time[after] > impact + interval / 2],
     )
+
+
+def until_next_meeting(bounce: Bounce, upper: Track, lower: Track) -> Bounce:
+    """Leave out the frames after a falling ball has met the one below again.
+
+    Neither flight nor a bounce of the lower ball on the plate makes a shrinking distance between them grow.
+    """
+    apart = upper.y[bounce.after] - np.interp(upper.time[bounce.after], lower.time, lower.y)
+    noise = float(np.hypot(np.median(upper.y_sd), np.median(lower.y_sd)))
+    nearest, _ = find_peaks(-apart, prominence=6 * noise)
+    return replace(bounce, after=bounce.after[: nearest[0]]) if nearest.size else bounce
 
 
 def crossing(track: Track, fall: IndexArray, rise: IndexArray) -> float:

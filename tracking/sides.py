@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tracking.bounce import WINDOW, Bounce, crossing
+from tracking.bounce import FEWEST_FRAMES, FEWEST_WINDOW_FRAMES, WINDOW, Bounce, crossing
 from tracking.flight import Flight
 from tracking.joint import P, Side
 from tracking.track import Track
@@ -13,7 +13,7 @@ from tracking.track import Track
 FloatArray = npt.NDArray[np.float64]
 IndexArray = npt.NDArray[np.int64]
 
-LANDED = 0.3  # a hop has ended when the ball is down to this share of its greatest height
+LOW = 0.2  # a hop lower than this share of the radius is low
 REST_FRAMES = 60
 REST_SHARE_SD = 0.01  # how well a ball's height is known where it touches the plate, as a share of its radius
 
@@ -26,16 +26,32 @@ def upper_sides(track: Track, bounce: Bounce, flight: Flight) -> tuple[Side, Sid
     )
 
 
-def lower_sides(lower: Track, impact: float, flight: Flight) -> tuple[Side, Side]:
-    """Rest of the lower ball before the impact, and its hop until shortly before it lands."""
+def before_and_after(lower: Track, impact: float) -> tuple[IndexArray, IndexArray]:
+    """Frames in which the lower ball rests, and those after an impact at some time, s."""
     interval = float(np.median(np.diff(lower.time)))
     before = np.flatnonzero(lower.time < impact - interval / 2)[-REST_FRAMES:]
-    after = np.flatnonzero((lower.time > impact + interval / 2) & (lower.time < impact + WINDOW))
+    window = max(WINDOW, FEWEST_WINDOW_FRAMES * interval)
+    return before, np.flatnonzero((lower.time > impact + interval / 2) & (lower.time < impact + window))
+
+
+def lower_sides(lower: Track, impact: float, flight: Flight) -> tuple[Side, Side]:
+    """Rest of the lower ball before the impact, and its hop until it lands.
+
+    It lands as long after its highest point as it started before: later hops are lower, so the highest frame
+    tells when. The upper ball, which leaves the impact faster, cannot meet it earlier.
+    """
+    interval = float(np.median(np.diff(lower.time)))
+    before, after = before_and_after(lower, impact)
     lift = lower.y[after] - np.median(lower.y[before])
-    highest = np.maximum.accumulate(lift)
-    landed = np.flatnonzero((lift < LANDED * highest) & (highest > 5 * np.median(lower.y_sd)))
-    hop = after[: landed[0]] if landed.size else after
+    landing = impact + 2 * np.sqrt(2 * max(lift.max(initial=0.0), 0.0) / flight.gravity)
+    hop = after[lower.time[after] < landing - interval / 2]
     return _rest(lower, before, flight), _side(lower, hop, (P.LOWER_HEIGHT, P.LOWER_REBOUND), flight)
+
+
+def is_low(rest: Side, hop: Side) -> bool:
+    """Tell whether a hop is too low or too short to be fitted like a fall."""
+    highest = hop.height.max(initial=-np.inf) - rest.height.max(initial=-np.inf)
+    return len(hop.time) < FEWEST_FRAMES or bool(highest < LOW * hop.alike)
 
 
 def _rest(lower: Track, before: IndexArray, flight: Flight) -> Side:
@@ -79,9 +95,9 @@ def first_guess(track: Track, bounce: Bounce, sides: Sequence[Side]) -> FloatArr
     guess[P.APPROACH] = slope(track.time[fall], track.y[fall])
     guess[P.REBOUND] = slope(track.time[rise], track.y[rise])
     guess[P.HEIGHT] = track.y[fall[-1]] + guess[P.APPROACH] * (guess[P.TIME] - track.time[fall[-1]])
-    if len(sides) > 2:
-        rest, hop = sides[2:]
+    for rest in sides[2:3]:
         guess[P.LOWER_HEIGHT] = np.median(rest.height)
+    for hop in sides[3:]:
         guess[P.LOWER_REBOUND] = slope(hop.time[:4], hop.height[:4])
     return guess
 

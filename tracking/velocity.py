@@ -6,26 +6,25 @@ are off by 20 %, free parabolas by 1 %, and neglected air imitates a restitution
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from tracking.bounce import FEWEST_FRAMES, Bounce, crossing, find_bounces
+from tracking.bounce import FEWEST_FRAMES, Bounce, crossing, find_bounces, until_next_meeting
 from tracking.budget import NOTHING_SHARED, Budget
 from tracking.flight import Flight
+from tracking.hop import low_hop
 from tracking.joint import JointFit, Meeting, P, Side, fit_meeting, moved, without_outliers
 from tracking.model_free import UNKNOWN, free_parabolas
 from tracking.notebook import html_table
-from tracking.sides import first_guess, lower_sides, slope, upper_sides
+from tracking.sides import first_guess, is_low, lower_sides, slope, upper_sides
 from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
 GAP_SHARE_SD = 0.01  # how well the outlines tell the distance of two balls that touch
 
-SINGLE = [P.TIME, P.HEIGHT, P.APPROACH, P.REBOUND]
-DOUBLE = [*SINGLE, P.LOWER_HEIGHT, P.LOWER_REBOUND]
 VELOCITIES = [P.APPROACH, P.REBOUND, P.LOWER_REBOUND]
 
 
@@ -141,18 +140,42 @@ def measure_two_ball_impact(
     bounces = find_bounces(upper)
     if not bounces:
         return None
-    bounce = bounces[0]
-    impact = crossing(upper, bounce.before, bounce.after)
-    sides = (*upper_sides(upper, bounce, flights[0]), *lower_sides(lower, impact, flights[1]))
+    bounce = until_next_meeting(bounces[0], upper, lower)
+    # a ball that mostly rests shows less than one that flies how far compression errs
+    lower = replace(lower, shared_sd=max(upper.shared_sd, lower.shared_sd))
+    rest, hop = lower_sides(lower, crossing(upper, bounce.before, bounce.after), flights[1])
     touching = upper.radius + lower.radius
-    return _measure(upper, bounce, Meeting(sides=sides, gap=touching, gap_sd=GAP_SHARE_SD * touching), budget)
+    meeting = Meeting(
+        sides=(*upper_sides(upper, bounce, flights[0]), rest), gap=touching, gap_sd=GAP_SHARE_SD * touching
+    )
+    if is_low(rest, hop):
+        impact = _measure(upper, bounce, meeting, budget)
+        return None if impact is None else _with_low_hop(impact, lower, flights[1])
+    return _measure(upper, bounce, replace(meeting, sides=(*meeting.sides, hop)), budget)
+
+
+def _with_low_hop(impact: Impact, lower: Track, flight: Flight) -> Impact | None:
+    """Add the lower ball's velocity, which rules nothing else; what all frames share is nothing beside it."""
+    hop = low_hop(lower, impact.time, flight)
+    if hop is None:
+        return None
+    velocity, sd = hop
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = impact.covariance[:2, :2]
+    covariance[2, 2] = sd**2
+    return replace(
+        impact,
+        velocities=np.append(impact.velocities[:2], velocity),
+        covariance=covariance,
+        shared={name: np.append(effect[:2], 0.0) for name, effect in impact.shared.items()},
+    )
 
 
 def _measure(track: Track, bounce: Bounce, meeting: Meeting, budget: Budget) -> Impact | None:
     """Fit one impact: first robustly, then without frames off the flights, then with free gravity."""
     if _too_few(meeting.sides):
         return None
-    free = SINGLE if meeting.gap is None else DOUBLE
+    free = _free(meeting)
     start = first_guess(track, bounce, meeting.sides)
     robust = fit_meeting(meeting, start, free, robust=True)
     meeting = without_outliers(meeting, robust.parameters)
@@ -167,10 +190,10 @@ def _measure(track: Track, bounce: Bounce, meeting: Meeting, budget: Budget) -> 
     return Impact(
         time=float(fit.parameters[P.TIME]),
         height=float(fit.parameters[P.HEIGHT]),
-        velocities=_known(fit.parameters[VELOCITIES], meeting),
+        velocities=_known(fit.parameters[VELOCITIES], free),
         covariance=fit.covariance[np.ix_(VELOCITIES, VELOCITIES)]
         + sum(np.outer(effect[VELOCITIES], effect[VELOCITIES]) for effect in shared.values()),
-        shared={name: _known(effect[VELOCITIES], meeting) for name, effect in shared.items()},
+        shared={name: _known(effect[VELOCITIES], free) for name, effect in shared.items()},
         gravity_check=float(falling.parameters[P.GRAVITY]),
         gravity_check_sd=float(
             np.sqrt(
@@ -193,9 +216,15 @@ def _effects(fit: JointFit, meeting: Meeting, budget: Budget) -> dict[str, Float
     return {name: moved(fit, meeting, changed) for name, changed in budget.changed(meeting).items()}
 
 
-def _known(velocities: FloatArray, meeting: Meeting) -> FloatArray:
-    """Leave the lower ball's velocity out where none is tracked."""
-    return velocities if meeting.gap is not None else np.append(velocities[:2], np.nan)
+def _free(meeting: Meeting) -> list[P]:
+    """Parameters that rule the frames of a meeting."""
+    starts = {side.start for side in meeting.sides}
+    return sorted({P.TIME} | starts | {side.velocity for side in meeting.sides if side.velocity is not None})
+
+
+def _known(velocities: FloatArray, free: list[P]) -> FloatArray:
+    """Leave the velocity of a ball out that is not fitted."""
+    return np.where(np.isin(VELOCITIES, free), velocities, np.nan)
 
 
 def _too_few(sides: Sequence[Side]) -> bool:
