@@ -16,12 +16,14 @@ from impact import Ball, Cue
 from tracking.render import DropScene
 
 HOME = Path(__file__).resolve().parents[1]
-README, FILMING, FITTING, REPRODUCTION, MODEL = PAGES = [
+README, FILMING, FITTING, NOTES, EXPERIMENT_FILE, REPRODUCTION, MODEL = PAGES = [
     HOME / page
     for page in (
         "README.md",
         "tracking/FILMING.md",
         "calibrate/FITTING.md",
+        "calibrate/NOTES.md",
+        "experiments/EXPERIMENT.md",
         "experiments/REPRODUCTION.md",
         "impact/MODEL.md",
     )

@@ -14,6 +14,7 @@ from documented import (
     FILMING,
     FITTING,
     HOME,
+    NOTES,
     PAGES,
     README,
     REPRODUCTION,
@@ -24,6 +25,7 @@ from documented import (
 )
 from typer.testing import CliRunner
 
+from calibrate.sentences import Note
 from calibrate.setup import Setup
 from experiments import fig4, fig5
 from experiments.cli import app
@@ -198,6 +200,14 @@ def test_complaints_are_quoted_in_the_words_of_the_tool() -> None:
     for row in table.splitlines()[2:]:
         for words in row.split("|")[1].split("…"):
             assert words.strip(" :") in spoken, words
+
+
+def test_every_note_of_a_fit_has_its_row_and_every_row_its_note() -> None:
+    rows = re.findall(r"^\| ((?!note |---).*?) \|", NOTES.read_text(encoding="utf-8"), re.M)
+    notes = [re.sub(r"{\w+}", "…", note) for note in Note]
+    assert len(rows) == len(notes)
+    assert [note for note in notes if not any(note.startswith(row) for row in rows)] == []
+    assert [row for row in rows if not any(note.startswith(row) for note in notes)] == []
 
 
 def test_every_column_of_the_table_is_explained(two_clip: Clip) -> None:
