@@ -69,7 +69,8 @@ def _unusable_pairs(trials: pd.DataFrame, found: Found) -> list[str]:
     """Name each mass pair that was filmed, but of which no trial is left while others are."""
     if found.two is None:
         return []
-    filmed = trials[(trials["kind"] == "two") & (trials["impact"] == 1)].dropna(subset=list(MASSES))
+    filmed = trials[(trials["kind"] == "two") & (trials["impact"] == 1)]
+    filmed = filmed[(filmed[list(MASSES)] > 0).all(axis=1)]  # of what failed nothing can be taken for granted
     notes = []
     for _, pair in filmed.groupby(mass_ratio_groups(filmed)):
         ratio = float((pair["upper_mass"] / pair["lower_mass"]).mean())
