@@ -110,11 +110,16 @@ def read_experiment(path: Path) -> list[Trial]:
         raise ExperimentError(
             f"{path.name}: holds no [[trial]]; add one with video and kind for each recording"
         )
-    return [
-        trial
-        for number, entry in enumerate(entries, start=1)
-        for trial in _trials(entry, (bodies, camera), path, f"{path.name}, trial {number}")
-    ]
+    trials: dict[tuple[str, Path], Trial] = {}
+    for number, entry in enumerate(entries, start=1):
+        place = f"{path.name}, trial {number}"
+        for trial in _trials(entry, (bodies, camera), path, place):
+            if trials.setdefault((trial.name, trial.video), trial) is not trial:
+                raise ExperimentError(
+                    f"{place}: {trial.video.name} must be in one trial only, but is in one before as well; "
+                    "mend the pattern, or give this trial a name of its own"
+                )
+    return list(trials.values())
 
 
 def _trials(entry: Any, common: tuple[Mapping[str, Body], Camera], path: Path, place: str) -> Iterator[Trial]:

@@ -121,6 +121,7 @@ def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
         (TRIAL.replace("two-00", "two-99"), "trial 1: there is no video 'two-99.mp4'; its path counts"),
         (TRIAL.replace("two-00", "one-*"), "trial 1: no video matches 'one-.*.mp4'; its path counts from"),
         (TRIAL.replace("two-00.mp4", "*.toml"), "trial 1: no video matches"),
+        (TRIAL + TRIAL.replace("-00", "-*"), "trial 2: two-00.mp4 must be in one trial only, .* a name"),
         (TRIAL.replace("two-00.mp4", r"\\u0000/*"), "trial 1: no video matches"),
         (TRIAL.replace("two-00.mp4", "."), "trial 1: there is no video '.'"),
         (TRIAL.replace("two-00", "x" * 5000), "trial 1: there is no video"),
