@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from calibrate.files import write_whole
-from calibrate.intervals import Interval
+from calibrate.intervals import BAD_FIT, Interval, chance_of
 from calibrate.notebook import calibration_html, estimate_html
 from calibrate.report import calibration_text, estimate_text
 
@@ -141,6 +141,13 @@ class Calibration:
     profile: Curve
     valleys: tuple[Valley, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def caveat(self) -> str:
+        """What has to be said in one breath with the verdict: that the model misses the data, if it does."""
+        if chance_of(self.chi_square, self.degrees_of_freedom) >= BAD_FIT:
+            return ""
+        return ", but the model misses the measurements: do not trust it"
 
     def __str__(self) -> str:
         return calibration_text(self)

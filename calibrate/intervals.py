@@ -2,12 +2,17 @@
 
 from collections.abc import Iterable
 
+from scipy.special import chdtrc
+
 Interval = tuple[float, float]
 
 ONE_VALUE = "one value"
 SEVERAL_VALUES = "several values"
 BOUNDED_ON_ONE_SIDE = "bounded on one side"
 NOT_DETERMINED = "not determined"
+
+BAD_FIT = 0.01
+"""Chance of a larger chi-square below which a model is said to miss the data."""
 
 
 def joined(intervals: Iterable[Interval], gap: float) -> tuple[Interval, ...]:
@@ -59,3 +64,14 @@ def verdict(intervals: tuple[Interval, ...], limits: Interval, widest: float) ->
     if len(intervals) > 1:
         return SEVERAL_VALUES
     return BOUNDED_ON_ONE_SIDE if open_below or open_above else ONE_VALUE
+
+
+def chance_of(chi_square: float, degrees_of_freedom: int) -> float:
+    """Probability that the true model is farther from the data than this; 1 with nothing to judge it by.
+
+    Examples
+    --------
+    >>> round(chance_of(11.34, 3), 4)
+    0.01
+    """
+    return float(chdtrc(degrees_of_freedom, chi_square)) if degrees_of_freedom > 0 else 1.0

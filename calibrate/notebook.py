@@ -26,7 +26,9 @@ def calibration_html(calibration: Calibration) -> str:
         _row("e₁, ball-ball", calibration.restitution_ball_ball),
         _row("e₂, ball-table", calibration.restitution_ball_table),
     ]
-    return html_table(_goodness(calibration), [*rows, *_notes(calibration.notes)], HEADER)
+    return html_table(
+        _goodness(calibration) + calibration.caveat, [*rows, *_notes(calibration.notes)], HEADER
+    )
 
 
 def shots_html(calibration: ShotCalibration) -> str:

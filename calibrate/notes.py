@@ -1,22 +1,22 @@
 """What the reader of a fit has to know, in sentences: what was left out, assumed, or does not fit."""
 
 import pandas as pd
-from scipy import stats
 
 from calibrate.basins import Basin
 from calibrate.estimate import Estimate
-from calibrate.intervals import ONE_VALUE
+from calibrate.intervals import BAD_FIT, ONE_VALUE, chance_of
 from calibrate.misfit import Misfit
-from calibrate.observed import Found, Observed, usable_trials
+from calibrate.observed import Found, Observed, mass_ratio_groups, usable_trials
 from calibrate.profile import RATIO_LIMITS, Profile
 from calibrate.repeats import ASSUMED_SCATTER, Repeats
 from calibrate.rows import MASSES, VELOCITIES
+from calibrate.sentences import Note
 from calibrate.speed import fit_speed_law, tells_about_speed
 
 OwnDrops = tuple[Repeats | None, Repeats | None]
 
 _AT_BOUND = 1e-3  # distance from a bound, relative, that is none
-_BAD_FIT = 0.01  # probability of a larger chi-square below which the model is said to miss the data
+_MOST_NAMES = 5  # of trials, in one note
 _KINDS = {"held": "drops on a held ball", "plate": "drops on the plate", "two": "two-ball trials"}
 
 
@@ -32,7 +32,8 @@ def notes_on_trials(trials: pd.DataFrame, found: Found, own: OwnDrops) -> tuple[
     own : (Repeats or None, Repeats or None)
         Ball-ball and ball-table restitution from their own drops or from elsewhere.
     """
-    notes = [*_missing(found, own), *_left_out(trials), *_exact(trials), *_copied(trials)]
+    notes = [*_missing(trials, found, own), *_left_out(trials), *_unusable_pairs(trials, found)]
+    notes += [*_exact(trials), *_copied(trials)]
     for kind, observed in (("held", found.held), ("plate", found.plate), ("two", found.two)):
         if observed is not None:
             notes += _about_repeats(_KINDS[kind], observed)
@@ -43,35 +44,56 @@ def notes_on_trials(trials: pd.DataFrame, found: Found, own: OwnDrops) -> tuple[
 def notes_on_fit(misfit: Misfit, profile: Profile, ratio: Estimate) -> tuple[str, ...]:
     """Say whether the model fits at all, and what would help where the ratio is not one value."""
     notes = []
-    best, freedom = profile.basins[0].chi_square, misfit.degrees_of_freedom
-    chance = float(stats.chi2.sf(best, freedom)) if freedom > 0 else 1.0
-    if chance < _BAD_FIT:
-        notes.append(
-            f"the model misses the measurements by more than their scatter (probability {chance:.1g}):"
-            " do not trust the intervals"
-        )
+    chance = chance_of(profile.basins[0].chi_square, misfit.degrees_of_freedom)
+    if chance < BAD_FIT:
+        notes.append(Note.MISFIT.format(chance=f"{chance:.1g}"))
     notes += _at_bounds(profile.basins[0])
     if ratio.verdict != ONE_VALUE and len(misfit.mass_ratios) == 1:
-        notes.append(
-            "all two-ball trials have one mass ratio, and drop heights carry no information on the stiffness"
-            " ratio: trials with a second mass pair would"
-        )
+        notes.append(str(Note.ONE_MASS_PAIR))
     return tuple(notes)
 
 
-def _missing(found: Found, own: OwnDrops) -> list[str]:
+def _missing(trials: pd.DataFrame, found: Found, own: OwnDrops) -> list[str]:
     notes = []
     for kind, contact, drops in (("held", "ball-ball", own[0]), ("plate", "ball-table", own[1])):
         if drops is None:
-            notes.append(f"no {_KINDS[kind]}: {contact} restitution has no measurement of its own")
+            notes += _unusable(_KINDS[kind], trials[trials["kind"] == kind])
+            notes.append(Note.NO_OWN_DROPS.format(drops=_KINDS[kind], contact=contact))
     if found.two is None:
-        notes.append("no two-ball trials: the stiffness ratio cannot be fitted")
+        notes += _unusable(_KINDS["two"], trials[trials["kind"] == "two"])
+        notes.append(str(Note.NO_TWO_BALL_TRIALS))
     return notes
+
+
+def _unusable_pairs(trials: pd.DataFrame, found: Found) -> list[str]:
+    """Name each mass pair that was filmed, but of which no trial is left while others are."""
+    if found.two is None:
+        return []
+    filmed = trials[(trials["kind"] == "two") & (trials["impact"] == 1)]
+    filmed = filmed[(filmed[list(MASSES)] > 0).all(axis=1)]  # of what failed nothing can be taken for granted
+    notes = []
+    for _, pair in filmed.groupby(mass_ratio_groups(filmed)):
+        ratio = float((pair["upper_mass"] / pair["lower_mass"]).mean())
+        notes += _unusable(f"{_KINDS['two']} of mass ratio {ratio:.3g}", pair)
+    return notes
+
+
+def _unusable(what: str, rows: pd.DataFrame) -> list[str]:
+    """Say of trials that were all left out, if they were, how they may be saved."""
+    if rows.empty or (rows["status"] == "ok").any():
+        return []
+    names = list(dict.fromkeys(rows["trial"].astype(str)))
+    shown = [*names[:_MOST_NAMES], *(["…"] if len(names) > _MOST_NAMES else [])]
+    return [Note.NONE_USABLE.format(count=len(names), trials=what, names=", ".join(shown))]
 
 
 def _left_out(trials: pd.DataFrame) -> list[str]:
     counts = {status: int((trials["status"] == status).sum()) for status in ("failed", "suspect")}
-    return [f"{count} {status} of {len(trials)} trials left out" for status, count in counts.items() if count]
+    return [
+        Note.LEFT_OUT.format(count=count, status=status, all=len(trials))
+        for status, count in counts.items()
+        if count
+    ]
 
 
 def _exact(trials: pd.DataFrame) -> list[str]:
@@ -79,7 +101,7 @@ def _exact(trials: pd.DataFrame) -> list[str]:
     count = int((trials.loc[trials["status"] == "ok", list(columns)] == 0).sum().sum())
     if not count:
         return []
-    return [f"standard deviations of zero are taken as not stated: {count} of them"]
+    return [Note.EXACT.format(count=count)]
 
 
 def _copied(trials: pd.DataFrame) -> list[str]:
@@ -88,7 +110,7 @@ def _copied(trials: pd.DataFrame) -> list[str]:
     if not count:
         return []
     words = "1 trial repeats another" if count == 1 else f"{count} trials repeat others"
-    return [f"{words} digit for digit: a row that was only copied makes the intervals too narrow"]
+    return [Note.COPIED.format(trials=words)]
 
 
 def _at_bounds(best: Basin) -> list[str]:
@@ -102,8 +124,7 @@ def _at_bounds(best: Basin) -> list[str]:
         )
     ]
     return [
-        f"the best fit has the {name} at its bound, {bound:g}: look for an error in what was measured, or"
-        " take it as a bound on one side"
+        Note.AT_BOUND.format(name=name, bound=f"{bound:g}")
         for name, value, low, high in ends
         for bound in (low, high)
         if abs(value - bound) <= _AT_BOUND * bound or value == bound
@@ -111,13 +132,11 @@ def _at_bounds(best: Basin) -> list[str]:
 
 
 def _about_repeats(kind: str, observed: Observed) -> list[str]:
-    notes = [f"{name} stands apart from the other {kind} and was left out" for name in observed.outliers]
+    notes = [Note.OUTLIER.format(trial=name, trials=kind) for name in observed.outliers]
     if not observed.repeats.degrees_of_freedom < float("inf"):
-        notes.append(f"too few {kind} to see their scatter: {ASSUMED_SCATTER:.0%} assumed")
+        notes.append(Note.TOO_FEW.format(trials=kind, scatter=f"{ASSUMED_SCATTER:.0%}"))
     elif observed.repeats.too_alike:
-        notes.append(
-            f"the {kind} agree better than trials can: taken to scatter at least as much as they state"
-        )
+        notes.append(Note.TOO_ALIKE.format(trials=kind))
     return notes
 
 
@@ -133,4 +152,4 @@ def _about_speed(kind: str, trials: pd.DataFrame, observed: Observed) -> list[st
     law = fit_speed_law(speed, rows["upper_rebound_velocity"] / speed)
     if not law.depends_on_speed:
         return []
-    return [f"restitution of the {_KINDS[kind]} {law}; the fit takes one value for all speeds"]
+    return [Note.DEPENDS_ON_SPEED.format(trials=_KINDS[kind], law=law)]

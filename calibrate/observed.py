@@ -68,7 +68,10 @@ def found_in(trials: pd.DataFrame) -> Found:
         two=observed_rebounds(trials),
     )
     if found.held is None and found.plate is None and found.two is None:
-        raise TrialTableError("no usable trial of kind plate, held or two")
+        raise TrialTableError(
+            "no usable trial of kind plate, held or two; mend what the reasons in the table name, and run "
+            "process again with --resume"
+        )
     return found
 
 

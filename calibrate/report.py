@@ -53,7 +53,7 @@ def estimate_text(estimate: Estimate) -> str:
 def calibration_text(calibration: Calibration) -> str:
     """All of a calibration, a line a fact."""
     lines = [
-        f"stiffness ratio k2/k1: {calibration.stiffness_ratio}",
+        f"stiffness ratio k2/k1: {calibration.stiffness_ratio}{calibration.caveat}",
         f"restitution ball-ball e1: {calibration.restitution_ball_ball}",
         f"restitution ball-table e2: {calibration.restitution_ball_table}",
     ]

@@ -16,6 +16,7 @@ from calibrate.evolution import evolve
 from calibrate.files import write_whole
 from calibrate.intervals import NOT_DETERMINED, ONE_VALUE, SEVERAL_VALUES, Interval, verdict
 from calibrate.notebook import shots_html
+from calibrate.sentences import Note
 from calibrate.shot_table import observed_shots
 from calibrate.shots import Shots
 from impact import Ball, Cue
@@ -208,16 +209,10 @@ def _estimate(box: Box, column: int, best: Array, seen: Array, freedom: int) -> 
 def _notes(smallest: float, freedom: int, estimates: Mapping[str, Estimate]) -> Sequence[str]:
     notes = []
     if freedom <= 0:
-        notes.append("as few numbers measured as parameters fitted: fix some, or add shots")
+        notes.append(str(Note.SHOTS_TOO_FEW))
     elif (chance := float(stats.chi2.sf(smallest, freedom))) < _BAD_FIT:
-        notes.append(
-            f"the model misses the shots by more than they state (probability {chance:.1g}); the intervals"
-            " are widened accordingly"
-        )
+        notes.append(Note.SHOTS_MISFIT.format(chance=f"{chance:.1g}"))
     flat = [name.replace("_", " ") for name, each in estimates.items() if each.verdict == NOT_DETERMINED]
     if flat:
-        notes.append(
-            f"{', '.join(flat)} cannot be told from these shots: add shots with a raised cue and with"
-            " different contact points, or fix it"
-        )
+        notes.append(Note.SHOTS_UNDETERMINED.format(names=", ".join(flat)))
     return notes

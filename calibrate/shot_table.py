@@ -23,6 +23,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from calibrate.rows import TrialTableError, correlation_column
+from calibrate.sentences import Note
 from calibrate.shots import AIM, MEASURED, Shots
 from impact import Ball, Cue
 
@@ -65,12 +66,13 @@ def observed_shots(trials: pd.DataFrame, ball: Ball, cue: Cue) -> Shots:
     reasons = [_reason(row) for row in table.to_dict("records")]
     in_pixels = shots.get("unit", pd.Series("m", index=shots.index)).astype(str).str.strip() == "px"
     reasons = ["its lengths are in pixels" if px else why for px, why in zip(in_pixels, reasons, strict=True)]
-    notes = [f"{name} left out: {why}" for name, why in zip(shots["trial"], reasons, strict=True) if why]
+    left_out = zip(shots["trial"], reasons, strict=True)
+    notes = [Note.SHOT_LEFT_OUT.format(trial=name, reason=why) for name, why in left_out if why]
     kept = table[[not why for why in reasons]]
     if kept.empty:
         raise TrialTableError(f"no usable trial of kind shot; {notes[0]}")
     notes += [
-        f"{name} ({_ASKED[name]}) is missing in {_shots(count)} and taken as 0: add a column of that name"
+        Note.SHOT_NOT_AIMED.format(column=name, meaning=_ASKED[name], shots=_shots(count))
         for name, count in untold.items()
         if count
     ]
@@ -79,7 +81,7 @@ def observed_shots(trials: pd.DataFrame, ball: Ball, cue: Cue) -> Shots:
     assumed = ASSUMED_SD * speed / np.array([1.0, 1.0, ball.radius, ball.radius])
     missing = ~(sd > 0)
     if (missing & np.isfinite(measured)).any():
-        notes.append(f"velocities without a standard deviation above zero: {ASSUMED_SD:.0%} of speed assumed")
+        notes.append(Note.SHOT_UNSTATED.format(share=f"{ASSUMED_SD:.0%}"))
     return Shots(
         names=tuple(str(name) for name, why in zip(shots["trial"], reasons, strict=True) if not why),
         measured=measured,

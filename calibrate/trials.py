@@ -7,7 +7,7 @@ negative velocity; masses in kg):
 `plate`  a ball on the bare plate: ball-table restitution = -upper_rebound_velocity / approach_velocity
 `held`   a ball on a lower ball held still: ball-ball restitution, the same way
 `two`    a ball on a second ball that rests on the plate: both rebound velocities and both masses
-`shot`   a cue ball struck by a cue; its own columns (see the table of files in the README)
+`shot`   a cue ball struck by a cue; its own columns (see `calibrate.shot_table`)
 `pair`   two bodies that meet in free motion
 =======  =======================================================================================
 

@@ -19,7 +19,9 @@ from typing import Any, BinaryIO, TypeAlias
 from experiments.trial import require_positive
 
 IDLE_SECONDS = 60.0
+USUAL_TIMEOUT = 600.0  # s: a recording cut to its fall takes seconds
 LEAST_MEMORY = 0.5  # GB: what is imported needs most of that
+FAIR_MEMORY = 2.0  # GB that every recording may take by default, however many are measured side by side
 GIGABYTE = 2**30
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 BROKEN = (OSError, EOFError, ValueError, pickle.UnpicklingError)  # what comes of a pipe to nobody
@@ -49,7 +51,7 @@ class Limits:
     ValueError: timeout must be positive, got 0
     """
 
-    timeout: float | None = None
+    timeout: float | None = USUAL_TIMEOUT
     memory: float | None = None
 
     def __post_init__(self) -> None:
@@ -60,6 +62,14 @@ class Limits:
             raise ValueError(f"memory must be at least {LEAST_MEMORY:g} GB, got {self.memory:g}")
         if self.memory is not None and not sys.platform.startswith("linux"):
             raise ValueError("memory can be limited on Linux only; leave --memory out")
+
+
+def fair_memory(workers: int) -> float | None:
+    """Share this machine's memory among workers, GB; None where memory cannot be limited."""
+    if not sys.platform.startswith("linux"):
+        return None
+    whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIGABYTE
+    return max(FAIR_MEMORY, whole / workers)
 
 
 def apart(name: str, *arguments: Any, limits: Limits) -> Any:

@@ -11,7 +11,7 @@ from experiments.fit import EPILOG, fit
 from experiments.fitting import calibrated
 from experiments.run import Out, Quiet, Workers, cores, leave_report, measure
 from experiments.simulate import simulate
-from experiments.verbs import INTERRUPTED, verb
+from experiments.verbs import INTERRUPTED, announce_compilation, verb
 
 app = typer.Typer(
     help="Film simultaneous collisions, measure them, and fit the impact model to them.",
@@ -50,6 +50,7 @@ def demo(
     batch = Batch(out=out, workers=workers, overlays=False)
     if measure(read_experiment(out / "recordings" / "experiment.toml"), batch, quiet=quiet) == INTERRUPTED:
         raise typer.Exit(INTERRUPTED)
+    announce_compilation()
     calibration = calibrated([out / "trials.csv"], out, {})
     typer.echo(f"\n{calibration}")
     typer.echo("\n" + fitted_against_truth(calibration, truth))
@@ -81,6 +82,7 @@ def figures(
     for name in names or FIGURES:
         if name not in FIGURES:
             raise ValueError(f"figure must be one of {', '.join(FIGURES)}, got {name!r}")
+    announce_compilation()
     for name in names or FIGURES:
         typer.echo(importlib.import_module(f"experiments.{name}").main(out) + "\n")
 

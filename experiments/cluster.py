@@ -32,7 +32,7 @@ def connected(address: str) -> Iterator[None]:
         from distributed import Client
     except ImportError:
         raise ExperimentError(
-            "cluster: needs the package distributed; install it with pip install 'impactlab[cluster]', here "
+            "cluster: needs the package distributed; install it with pip install distributed, here "
             "and on the cluster"
         ) from None
     try:

@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from glob import glob, has_magic
@@ -15,6 +15,7 @@ from experiments.trial import Body, Camera, Trial
 
 __all__ = ["Body", "Camera", "ExperimentError", "Trial", "collect_trials", "read_experiment"]
 
+CAMERA_KEYS = {field.name for field in fields(Camera)}
 BODIES = ("upper", "lower", "ball", "cue", "striker", "struck")
 LARGEST = 5e6
 """Bytes of an experiment file: tens of thousands of trials."""
@@ -109,28 +110,53 @@ def read_experiment(path: Path) -> list[Trial]:
         raise ExperimentError(
             f"{path.name}: holds no [[trial]]; add one with video and kind for each recording"
         )
-    return [
-        _trial(entry, (bodies, camera), path, f"{path.name}, trial {number}")
-        for number, entry in enumerate(entries, start=1)
-    ]
+    trials: dict[tuple[str, Path], Trial] = {}
+    for number, entry in enumerate(entries, start=1):
+        place = f"{path.name}, trial {number}"
+        for trial in _trials(entry, (bodies, camera), path, place):
+            if trials.setdefault((trial.name, trial.video), trial) is not trial:
+                raise ExperimentError(
+                    f"{place}: {trial.video.name} must be in one trial only, but is in one before as well; "
+                    "mend the pattern, or give this trial a name of its own"
+                )
+    return list(trials.values())
 
 
-def _trial(entry: Any, common: tuple[Mapping[str, Body], Camera], path: Path, place: str) -> Trial:
-    """Check one [[trial]] and give it what the whole experiment shares."""
-    bodies, camera = common
-    camera_keys = {f.name for f in fields(Camera)}
-    _only(entry, {"video", "kind", "name", "start_px", *BODIES, *camera_keys}, place)
+def _trials(entry: Any, common: tuple[Mapping[str, Body], Camera], path: Path, place: str) -> Iterator[Trial]:
+    """Check one [[trial]] and give each of its recordings what the whole experiment shares."""
+    _only(entry, {"video", "kind", "name", "start_px", *BODIES, *CAMERA_KEYS}, place)
     for key in ("video", "kind", "name"):
         if not isinstance(entry.get(key, "" if key == "name" else None), str):
             raise ExperimentError(f"{place}: {key} must be given as text, got {shown(entry.get(key))}")
-    video = path.parent / entry["video"]
-    if not os.path.isfile(video):
+    videos = _videos(entry["video"], path, place)
+    if "name" in entry and len(videos) > 1:
         raise ExperimentError(
-            f"{place}: there is no video {entry['video']!r}; its path counts from the folder of {path.name}"
+            f"{place}: name must be that of one recording, but {entry['video']!r} matches {len(videos)}; "
+            "leave it out, then each is named after its file"
         )
+    for video in videos:
+        yield _trial(entry, common, video, place)
+
+
+def _videos(told: str, path: Path, place: str) -> list[Path]:
+    """Give the recordings that a path or a pattern stands for, in order of their names."""
+    folder = path.parent
+    if os.path.isfile(folder / told):
+        return [folder / told]
+    found = sorted(glob(told, root_dir=folder)) if has_magic(told) else []
+    videos = [folder / name for name in found if Path(name).suffix.lower() in VIDEO_SUFFIXES]
+    if not videos:
+        missing = f"no video matches {told!r}" if has_magic(told) else f"there is no video {told!r}"
+        raise ExperimentError(f"{place}: {missing}; its path counts from the folder of {path.name}")
+    return videos
+
+
+def _trial(entry: Any, common: tuple[Mapping[str, Body], Camera], video: Path, place: str) -> Trial:
+    """Give one recording what its [[trial]] says of it, and what the whole experiment shares."""
+    bodies, camera = common
     own = _bodies({key: entry[key] for key in BODIES if key in entry}, place)
     merged = {name: _overridden(bodies.get(name, Body()), own.get(name, Body())) for name in {*bodies, *own}}
-    changes = {key: entry[key] for key in camera_keys if key in entry}
+    changes = {key: entry[key] for key in CAMERA_KEYS if key in entry}
     try:
         return Trial(
             name=entry.get("name", video.stem),

@@ -21,7 +21,7 @@ from experiments.fitting import (
     kinds_in,
 )
 from experiments.run import Json, leave_report, print_json
-from experiments.verbs import SOME_FAILED, verb
+from experiments.verbs import SOME_FAILED, announce_compilation, verb
 
 EPILOG = "Example: impactlab fit trials.csv --out results"
 
@@ -74,6 +74,7 @@ def fit(
     from calibrate.rows import TrialTableError
 
     say = partial(typer.echo, err=as_json)  # JSON stands alone on standard output
+    announce_compilation()
     written: list[str] = []
     if hold_readings(tables):
         failed = fit_readings(tables, out, bodies_of(ball or []), say)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from experiments.verbs import verb
+from experiments.verbs import announce_compilation, verb
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,6 +39,7 @@ def plan(
     exponent: Annotated[float, typer.Option(help="Of the force law: 1 linear, 1.5 Hertz.")] = 1.0,
 ) -> None:
     """Tell which stiffness ratios an experiment could not tell apart, and the fewest trials that would."""
+    announce_compilation()
     from calibrate.landscape import landscape
     from calibrate.plan import CANDIDATES, expected, smallest_addition
     from calibrate.setup import Setup

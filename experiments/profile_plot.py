@@ -74,7 +74,7 @@ def compute(calibration: Calibration) -> ProfilePlot:
         ),
         intervals_68=estimate.intervals_68,
         intervals_95=estimate.intervals_95,
-        title=_title(estimate),
+        title=_title(estimate) + calibration.caveat.replace(", but", "\nbut"),
         states=calibration.profile.states,
         valleys=calibration.valleys,
     )

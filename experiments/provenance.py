@@ -6,12 +6,16 @@ import platform
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from calibrate.files import write_whole
 
+HOME = Path(__file__).resolve().parents[1]
+ROOMS = ("tracking", "calibrate", "experiments")
+"""What a recording passes through; the model of `impact` is not among it."""
 _COMMANDS = "run.json"
 _PACKAGES = ("impactlab", "numpy", "scipy", "lmfit", "numba", "pandas", "opencv-python-headless", "av")
 
@@ -36,6 +40,21 @@ def provenance(inputs: Sequence[Path], options: Mapping[str, Any]) -> dict[str, 
 def versions() -> dict[str, str]:
     """Give the versions of Python and of the packages that results depend on."""
     return {"python": platform.python_version(), **{name: version(name) for name in _PACKAGES}}
+
+
+@cache
+def code_digest(home: Path = HOME) -> str:
+    """Give one SHA-256 for all code that measures: two installations of one version may hold different code.
+
+    Parameters
+    ----------
+    home : Path
+        Folder of the rooms.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(path for room in ROOMS for path in (home / room).rglob("*.py")):
+        digest.update(f"{path.relative_to(home).as_posix()} {sha256(path)}\n".encode())
+    return digest.hexdigest()
 
 
 def sha256(path: Path) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from calibrate.files import write_whole
+from experiments.provenance import code_digest
 from experiments.rows import failed_row
 from experiments.trial import Trial
 
@@ -33,8 +34,8 @@ class Record:
     name, kind : str
         Of the trial.
     told : mapping
-        All that its results depend on: version, SHA-256 of the recording, every option. None of it is told
-        where the work was lost, so that it is done again.
+        All that its results depend on: version and code, SHA-256 of the recording, every option. None of it
+        is told where the work was lost, so that it is done again.
     rows : list of dict
         For the trial table, one an impact.
     remarks : list of str
@@ -64,7 +65,8 @@ def told_of(trial: Trial, *, overlays: bool) -> dict[str, Any]:
     except OSError:
         return {}
     known = asdict(trial) | {"video": trial.video.name, "sha256": content, "overlays": overlays}
-    return dict(json.loads(json.dumps(known | {"version": version("impactlab")}, sort_keys=True)))
+    known |= {"version": version("impactlab"), "code": code_digest()}
+    return dict(json.loads(json.dumps(known, sort_keys=True)))
 
 
 def lost_record(trial: Trial, reason: str) -> Record:

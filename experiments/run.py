@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from experiments.apart import USUAL_TIMEOUT
 from experiments.verbs import INTERRUPTED, SOME_FAILED, verb
 
 if TYPE_CHECKING:
@@ -57,10 +58,13 @@ def process(
     overlays: Annotated[bool, typer.Option(help="Draw what was found on the recordings.")] = True,
     workers: Workers = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Keep what is finished of the same recordings and options.")
+        bool, typer.Option("--resume", help="Keep what is finished of the same recordings, options and code.")
     ] = False,
-    timeout: Annotated[float | None, typer.Option(help="Seconds a recording may take.")] = None,
-    memory: Annotated[float | None, typer.Option(help="GB a recording may take (Linux).")] = None,
+    timeout: Annotated[float, typer.Option(help="Seconds a recording may take.")] = USUAL_TIMEOUT,
+    memory: Annotated[
+        float | None,
+        typer.Option(help="GB a recording may take (Linux); without it a fair share of what there is."),
+    ] = None,
     cluster: Annotated[
         str | None, typer.Option(help="Dask scheduler, tcp://host:port, whose workers do the work.")
     ] = None,
@@ -68,7 +72,7 @@ def process(
     quiet: Quiet = False,
 ) -> None:
     """Measure recordings: velocities before and after each impact; write trials.csv and report.html."""
-    from experiments.apart import Limits
+    from experiments.apart import Limits, fair_memory
     from experiments.batch import Batch
     from experiments.experiment import collect_trials
     from experiments.trial import Body, Camera
@@ -85,9 +89,12 @@ def process(
     )
     if camera != Camera() and any(trial.camera != camera for trial in trials):
         typer.echo("options of the camera serve bare videos only: experiment.toml has [camera]", err=True)
+    workers = cores() if workers is None else workers
+    if memory is None and cluster is None and workers > 0:
+        memory = fair_memory(workers)
     batch = Batch(
         out=out,
-        workers=cores() if workers is None else workers,
+        workers=workers,
         overlays=overlays,
         resume=resume,
         limits=Limits(timeout=timeout, memory=memory),

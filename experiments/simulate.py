@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from experiments import paper
-from experiments.verbs import verb
+from experiments.verbs import announce_compilation, verb
 from impact import Ball, Contact, Cue, CueShot, RestitutionLaw, TwoBallDrop
 
 simulate = typer.Typer(
@@ -32,6 +32,7 @@ def drop(
     ] = None,
 ) -> None:
     """Drop a ball on a ball that rests on a table: states, impulses, velocities."""
+    announce_compilation()
     from experiments.drawing import save_figure
     from experiments.fig4 import compute, describe, draw
 
@@ -67,6 +68,7 @@ def trials(
     ] = None,
 ) -> None:
     """Make a table of two-ball trials with a known truth, to see what a fit would find. Default: Fig. 5."""
+    announce_compilation()
     import numpy as np
 
     from calibrate.simulate import Design, Truth, simulate_trials, typical_trials
@@ -122,6 +124,7 @@ def shot(
     ] = None,
 ) -> None:
     """Strike a ball on the table with a cue: states, impulses, velocities. Constants: the paper's Table 1."""
+    announce_compilation()
     from experiments import cue_shot
     from experiments.aim import aimed_cue, struck_normal
     from experiments.drawing import save_figure

@@ -1,13 +1,16 @@
 """What all verbs of the command share: how they refuse, and their exit codes."""
 
 import functools
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import ParamSpec
 
 import typer
 
 Parameters = ParamSpec("Parameters")
 
+ENGINE = Path(__file__).resolve().parents[1] / "impact"
 SOME_FAILED, WRONG_USE, INTERRUPTED = 1, 2, 130
 
 
@@ -28,6 +31,13 @@ def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
             fail(str(error))
 
     return guarded
+
+
+def announce_compilation(engine: Path = ENGINE) -> None:
+    """Say why the first run after installation takes long, before it does: nothing moves meanwhile."""
+    kept_elsewhere = "NUMBA_CACHE_DIR" in os.environ or not os.access(engine, os.W_OK)
+    if not kept_elsewhere and next((engine / "__pycache__").glob("*.nbi"), None) is None:
+        typer.echo("impactlab: the model is being compiled, once: half a minute or more", err=True)
 
 
 def fail(sentence: str, code: int = WRONG_USE) -> None:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from reprlib import repr as shown
 from typing import overload
 
 import numpy as np
@@ -155,7 +156,7 @@ def collide_many(
             states=states,
         )
     if len(stuck):
-        raise ConvergenceError(f"collisions in rows {stuck.tolist()} did not end", result)
+        raise ConvergenceError(f"collisions in rows {shown(stuck.tolist())} did not end", result)
     return result
 
 

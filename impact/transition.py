@@ -85,6 +85,7 @@ def wake_resting(core: Core) -> bool:
                 size += abs(core.delassus[row, column] * core.contacts[other].forces[axis, 0])
                 column += 1
         if -acceleration(core, row, 0) > max(1e-9 * size, FAINTEST_PUSH):
+            contact.velocity[0] = min(contact.velocity[0], 0.0)  # else it may open before it is pushed
             activate(contact)
             return True
     return False

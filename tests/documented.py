@@ -16,24 +16,28 @@ from impact import Ball, Cue
 from tracking.render import DropScene
 
 HOME = Path(__file__).resolve().parents[1]
-README, FILMING, FITTING, REPRODUCTION, MODEL = PAGES = [
+README, FILMING, FITTING, NOTES, EXPERIMENT_FILE, REPRODUCTION, MODEL = PAGES = [
     HOME / page
     for page in (
         "README.md",
         "tracking/FILMING.md",
         "calibrate/FITTING.md",
+        "calibrate/NOTES.md",
+        "experiments/EXPERIMENT.md",
         "experiments/REPRODUCTION.md",
         "impact/MODEL.md",
     )
 ]
 SHORT = DropScene(kind="plate", drop_height=0.06, after=0.12, hold=0.05, camera=SMALL)
-EXPERIMENT = """
-[camera]
-scale = { metres_per_pixel = 0.0008 }
-[bodies]
-upper = { mass = 0.0027, diameter = 0.040 }
-lower = { mass = 0.0027, diameter = 0.040 }
-"""
+ROLLING = replace(SHORT, drop_height=0.1, after=0.15, camera=replace(SMALL, readout=0.004))
+FILMED = {
+    "plate-1": ROLLING,
+    "held-1": replace(ROLLING, kind="held"),
+    "equal-1": replace(ROLLING, kind="two", first_rebound=(0.78, 0.19)),
+    "heavy-1": replace(ROLLING, kind="two", first_rebound=(0.785, 0.235)),
+    "odd/late-1": replace(ROLLING, kind="two", first_rebound=(0.78, 0.19), seed=1),
+}
+"""What the experiment file of the pages speaks of."""
 SHOT = {
     "tip_ball_restitution": 0.6,
     "tip_ball_friction": 0.6,
@@ -62,17 +66,16 @@ def programs() -> Iterator[tuple[str, str]]:
         yield from re.findall(pattern, page.read_text(encoding="utf-8"), re.M | re.S)
 
 
-def lay_out(desk: Path, plate: Clip, two: Clip) -> None:
+def lay_out(desk: Path, plate: Clip) -> None:
     """Put small files in place of those that the pages speak of."""
-    for folder in ("drops", "slow", "out"):
+    for folder in ("drops", "slow", "odd", "out"):
         (desk / folder).mkdir()
     copy(plate.path, desk / "drops" / "plate-01.mp4")
-    copy(plate.path, desk / "plate.mp4")
-    copy(two.path, desk / "two.mp4")
     film(replace(SHORT, camera=replace(SMALL, file_fps=30)), desk / "slow" / "slow.mp4")
-    film(replace(SHORT, kind="held"), desk / "held.mp4")
-    trials = [f'[[trial]]\nvideo = "{kind}.mp4"\nkind = "{kind}"\n' for kind in ("plate", "held", "two")]
-    (desk / "experiment.toml").write_text(EXPERIMENT + "".join(trials))
+    for name, scene in FILMED.items():
+        film(scene, desk / f"{name}.mp4")
+    (whole,) = blocks(EXPERIMENT_FILE, "toml")
+    (desk / "experiment.toml").write_text(whole, encoding="utf-8")
     (table,) = blocks(FITTING, "csv")
     (desk / "trials.csv").write_text(table)
     (desk / "out" / "trials.csv").write_text(table)

@@ -1,10 +1,14 @@
 """Tables that are odd, poor or broken: each gets a clear sentence, and nothing else is lost."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from calibrate import Calibration, check_trials, fit_stiffness_ratio
+from calibrate.notes import notes_on_trials
+from calibrate.observed import found_in
 from calibrate.simulate import Design, Truth, simulate_trials
 
 TRUTH = Truth(stiffness_ratio=10.0, ball_ball=0.81, ball_table=0.85)
@@ -50,6 +54,29 @@ def test_one_drop_alone_is_fitted_with_an_assumed_scatter() -> None:
     table = trials(1)
     calibration = fit_stiffness_ratio(table[table.kind == "plate"])
     assert calibration.restitution_ball_table.sd == pytest.approx(0.017, abs=0.001)
+
+
+def test_a_mass_pair_that_was_filmed_in_vain_is_named_with_the_remedy() -> None:
+    table = trials()
+    pair = (table.kind == "two") & (table.upper_mass < table.lower_mass)
+    table.loc[pair, "status"] = ["suspect", "suspect", "failed"]
+    (said,) = (note for note in notes_on_trials(table, found_in(table), (None, None)) if "none of" in note)
+    assert said.startswith("none of the 3 two-ball trials of mass ratio 0.5 is usable (")
+    assert said.endswith("mend what their reasons name, and run process again with --resume")
+
+
+def test_a_kind_that_was_filmed_in_vain_is_not_called_missing_only() -> None:
+    table = trials()
+    table.loc[table.kind == "held", "status"] = "suspect"
+    said = notes_on_trials(table, found_in(table), (None, None))
+    assert any(note.startswith("none of the 3 drops on a held ball is usable") for note in said)
+
+
+def test_a_verdict_on_data_that_the_model_misses_says_so_in_its_own_line() -> None:
+    calibration = fit_stiffness_ratio(trials().query("kind == 'plate'"))
+    missed = replace(calibration, chi_square=25.2, degrees_of_freedom=3)
+    assert str(missed).splitlines()[0].endswith(", but the model misses the measurements: do not trust it")
+    assert calibration.caveat == replace(missed, chi_square=3.0).caveat == ""
 
 
 def test_identical_trials_are_doubted() -> None:

@@ -11,9 +11,11 @@ import pytest
 import typer
 from clips import Clip
 from documented import (
+    EXPERIMENT_FILE,
     FILMING,
     FITTING,
     HOME,
+    NOTES,
     PAGES,
     README,
     REPRODUCTION,
@@ -24,11 +26,14 @@ from documented import (
 )
 from typer.testing import CliRunner
 
+from calibrate.sentences import Note
 from calibrate.setup import Setup
+from calibrate.trials import read_trials
 from experiments import fig4, fig5
 from experiments.cli import app
+from experiments.experiment import read_experiment
 from experiments.process import measure
-from experiments.trial import Camera, Trial
+from experiments.trial import Body, Camera, Trial
 
 PROCESS = "impactlab process drops/ --kind plate --ball-diameter 0.040 --ball-mass 0.0027"
 QUICK = {
@@ -62,10 +67,10 @@ LIGHTER = {"--coverage 200": "--coverage 1", "--bootstrap 200": "--bootstrap 3"}
 
 
 @pytest.fixture(scope="module")
-def files(plate_clip: Clip, two_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def files(plate_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Small stand-ins for the files that the pages speak of."""
     folder = tmp_path_factory.mktemp("files")
-    lay_out(folder, plate_clip, two_clip)
+    lay_out(folder, plate_clip)
     return folder
 
 
@@ -107,6 +112,23 @@ def test_command_does_what_the_page_says(command: str) -> None:
 @pytest.mark.parametrize("command", sorted(SLOW))
 def test_longer_command_does_what_the_page_says(command: str) -> None:
     assert printed_by(command)
+
+
+@pytest.mark.parametrize("page", [README, EXPERIMENT_FILE], ids=lambda page: page.name)
+def test_experiment_file_shown_is_understood(desk: Path, page: Path) -> None:
+    (shown,) = blocks(page, "toml")
+    (desk / "shown.toml").write_text(shown, encoding="utf-8")
+    trials = {trial.name: trial for trial in read_experiment(desk / "shown.toml")}
+    assert trials["heavy-1"].body("upper") == Body(mass=0.0054, diameter=0.040)
+    assert trials["plate-1"].body("upper") == Body(mass=0.0027, diameter=0.040)
+
+
+@pytest.mark.slow
+def test_all_recordings_of_the_experiment_file_shown_are_measured(desk: Path) -> None:
+    printed_by("impactlab process experiment.toml --out out")
+    table = read_trials(desk / "out" / "trials.csv")
+    assert table["status"].eq("ok").all(), table["reason"].tolist()
+    assert table["trial"].tolist() == ["plate-1", "held-1", "equal-1", "heavy-1", "late"]
 
 
 @pytest.mark.usefixtures("desk")
@@ -198,6 +220,14 @@ def test_complaints_are_quoted_in_the_words_of_the_tool() -> None:
     for row in table.splitlines()[2:]:
         for words in row.split("|")[1].split("…"):
             assert words.strip(" :") in spoken, words
+
+
+def test_every_note_of_a_fit_has_its_row_and_every_row_its_note() -> None:
+    rows = re.findall(r"^\| ((?!note |---).*?) \|", NOTES.read_text(encoding="utf-8"), re.M)
+    notes = [re.sub(r"{\w+}( {\w+})?", "…", note) for note in Note]
+    assert len(rows) == len(notes)
+    assert [note for note in notes if not any(note.startswith(row) for row in rows)] == []
+    assert [row for row in rows if not any(note.startswith(row) for note in notes)] == []
 
 
 def test_every_column_of_the_table_is_explained(two_clip: Clip) -> None:

@@ -6,6 +6,7 @@ import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from clips import Clip
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments.apart import Limits, LostError, apart, end_helpers
+from experiments.apart import FAIR_MEMORY, Limits, LostError, apart, end_helpers, fair_memory
 from experiments.batch import Batch, in_order, process_all
 from experiments.experiment import ExperimentError, collect_trials
-from experiments.record import Record, sweep, told_of, write_record
+from experiments.provenance import code_digest
+from experiments.record import Record, finished_record, sweep, told_of, write_record
 from experiments.trial import Body, Camera, Trial
 
 BALL = {"upper": Body(mass=0.0027, diameter=0.040)}
@@ -68,6 +70,14 @@ def test_work_that_outgrows_its_memory_is_lost_and_the_next_may_have_more() -> N
     assert len(apart("builtins:bytes", 2**20, limits=FREE)) == 2**20
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is limited on Linux only")
+def test_recordings_share_the_memory_there_is_but_none_goes_without() -> None:
+    whole = fair_memory(1)
+    assert whole is not None
+    assert fair_memory(2) == max(whole / 2, FAIR_MEMORY)
+    assert fair_memory(10**6) == FAIR_MEMORY
+
+
 @given(order=st.permutations(range(6)))
 def test_results_come_in_the_order_of_the_trials_whatever_the_order_of_work(order: list[int]) -> None:
     trials = [trial_of(Path(f"{number}.mp4")) for number in range(6)]
@@ -110,6 +120,23 @@ def test_every_option_and_the_content_tell_one_trial_from_another(tmp_path: Path
     assert all(one != other for number, one in enumerate(told) for other in told[:number])
     video.unlink()
     assert told_of(trial, overlays=True) == {}
+
+
+def test_every_change_of_the_code_that_measures_tells_one_trial_from_another(tmp_path: Path) -> None:
+    (tmp_path / "home" / "tracking" / "deeper").mkdir(parents=True)
+    digests = []
+    for number, name in enumerate(("track.py", "track.py", "deeper/video.py")):
+        (tmp_path / "home" / "tracking" / name).write_text(f"edge = {number}")
+        copytree(tmp_path / "home", tmp_path / str(number))
+        digests.append(code_digest(tmp_path / str(number)))
+    assert len(set(digests)) == 3
+    video = tmp_path / "drop.mp4"
+    video.write_bytes(b"a film")
+    told = told_of(trial_of(video), overlays=True)
+    assert told["code"] == code_digest()
+    write_record(Record(name="drop", kind="plate", told=told, rows=[]), tmp_path)
+    assert finished_record(tmp_path, "drop", told)
+    assert finished_record(tmp_path, "drop", told | {"code": digests[0]}) is None
 
 
 def test_a_record_reads_as_it_was_written_without_nan(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from experiments.cli import app
+from experiments.verbs import announce_compilation
 
 TABLE = """kind,approach_velocity,upper_rebound_velocity,lower_rebound_velocity,upper_mass,lower_mass
 plate,-2.0,1.69,,,
@@ -165,3 +166,15 @@ def test_simulate_refuses_a_restitution_above_one() -> None:
     assert_refused(
         impactlab("simulate", "drop", "--ball-ball", "1.2"), "restitution must be within [0, 1], got 1.2"
     )
+
+
+def test_the_first_run_says_why_it_takes_long_and_no_later_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    announce_compilation(tmp_path)
+    assert "the model is being compiled, once" in capsys.readouterr().err
+    (tmp_path / "__pycache__").mkdir()
+    (tmp_path / "__pycache__" / "diagram.run-75.py311.nbi").touch()
+    announce_compilation(tmp_path)
+    assert capsys.readouterr().err == ""

@@ -57,6 +57,24 @@ def test_trial_comes_before_the_experiment_and_the_experiment_before_nothing(fol
     assert (second.camera.readout, second.camera.scale) == (0.004, first.camera.scale)
 
 
+def test_a_pattern_stands_for_all_its_videos_with_what_its_trial_says(folder: Path) -> None:
+    for name in ("two-10.mp4", "two-2.MOV", "two-00.json", "held-0.mp4", "._two-3.mp4"):
+        (folder / name).touch()
+    text = TRIAL.replace("two-00.mp4", "two-*") + "upper = { mass = 0.0054 }"
+    trials = read_experiment(written(folder, text))
+    assert [trial.name for trial in trials] == ["two-00", "two-10", "two-2"]
+    assert {trial.body("upper").mass for trial in trials} == {0.0054}
+
+
+def test_a_name_with_brackets_is_no_pattern_and_a_pattern_of_several_has_no_name(folder: Path) -> None:
+    for name in ("take [1].mp4", "take 1.mp4"):
+        (folder / name).touch()
+    (trial,) = read_experiment(written(folder, TRIAL.replace("two-00", "take [1]")))
+    assert trial.name == "take [1]"
+    with pytest.raises(ExperimentError, match=r"trial 1: name must be .* but 'take \*.mp4' matches 2; leave"):
+        read_experiment(written(folder, TRIAL.replace("two-00", "take *") + 'name = "one"'))
+
+
 def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
     bodies = "[bodies]\nball = { mass = 0.1673, diameter = 0.0572 }\ncue = { mass = 0.5018 }\n"
     (trial,) = read_experiment(written(folder, bodies + SHOT + "start_px = [751, 270.5]"))
@@ -101,6 +119,10 @@ def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
         ("[camera.scale]\ndistance = 1\npoints_px = [[0, 1]]\n" + TRIAL, "must be 2 points"),
         ("[camera.scale]\nwidth = 1\nheight = 1\ncorners_px = [1, 2, 3, 4]\n" + TRIAL, "must be 4 points"),
         (TRIAL.replace("two-00", "two-99"), "trial 1: there is no video 'two-99.mp4'; its path counts"),
+        (TRIAL.replace("two-00", "one-*"), "trial 1: no video matches 'one-.*.mp4'; its path counts from"),
+        (TRIAL.replace("two-00.mp4", "*.toml"), "trial 1: no video matches"),
+        (TRIAL + TRIAL.replace("-00", "-*"), "trial 2: two-00.mp4 must be in one trial only, .* a name"),
+        (TRIAL.replace("two-00.mp4", r"\\u0000/*"), "trial 1: no video matches"),
         (TRIAL.replace("two-00.mp4", "."), "trial 1: there is no video '.'"),
         (TRIAL.replace("two-00", "x" * 5000), "trial 1: there is no video"),
         (TRIAL.replace('"two-00.mp4"', "7"), "trial 1: video must be given as text, got 7"),

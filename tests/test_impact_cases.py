@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -252,6 +253,16 @@ def test_no_rows_give_no_rows_and_threads_change_nothing():
 def test_a_long_collapse_among_many_keeps_all_its_states():
     many = collide_many(drop(0.1, 0.3), upper_mass=[1.0, 3.0])
     assert many.states[1] == collide(drop(0.1, 0.3, upper=3.0)).states
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.5])
+def test_a_loose_tolerance_costs_digits_but_neither_states_nor_the_end(exponent):
+    springs = {"restitution": 0.8, "exponent": exponent}
+    scene = replace(drop(), ball_ball=Contact(**springs), ball_table=Contact(**springs))
+    ratios = np.geomspace(0.1, 100.0, 200)
+    exact, loose = (collide_many(scene, stiffness_ratio=ratios, rtol=rtol) for rtol in (1e-13, 1e-6))
+    assert list(loose.states) == list(exact.states)
+    assert loose.velocities == pytest.approx(exact.velocities, abs=1e-6)
 
 
 def test_results_print_for_people():

@@ -78,7 +78,7 @@ def _drop_fit(out: Path) -> Iterator[Fitted]:
     stale = bool(now) and made_from.get("trials.csv", now) != now
     fit = f"chi-square {calibration.chi_square:.1f} for {calibration.degrees_of_freedom} degrees of freedom"
     yield Fitted(
-        headline=_headline(calibration.stiffness_ratio),
+        headline=_headline(calibration.stiffness_ratio) + calibration.caveat,
         estimates=[(words, str(getattr(calibration, name))) for name, words in DROP_PARAMETERS.items()],
         notes=[*([fit] if calibration.degrees_of_freedom > 0 else []), *calibration.notes],
         warning="this fit was made from another trials.csv; run impactlab fit again" if stale else "",
