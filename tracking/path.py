@@ -16,6 +16,7 @@ MISSING = -1
 MISSING_COST = 6.0
 SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at half contrast)
 FILL_SPREAD = 0.15
+CRESCENT_PX = 20.0  # the bay of a narrower patch may be noise
 BAY_COST = 2.0  # a ball lit from one side may be seen as a crescent, where it is as bright as the wall
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
 STILL_COST = 0.5  # a frame; what rests is rather a ball that waits, or its ghost in the background

@@ -22,7 +22,6 @@ SETTLED_PX = 0.01
 REACH = 0.2  # radii
 NARROW = 0.05  # radii: around a circle that many points agree on
 SMALLEST_PX = 10.0  # narrower patches have too few pixels to tell circles apart
-ALIKE = 1.3  # times the least scatter: as good a circle
 DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a ball's own scatter less
 
 
@@ -60,7 +59,7 @@ def measure_radius(
             _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, sharpest)
         ]
         circles = [
-            _outermost([first, *others])
+            min((first, *others), key=_scatter)
             for first, others in zip(circles, _settled(agreed, NARROW), strict=True)
         ]
     radii = [circle.radius for circle in circles if circle is not None]
@@ -83,11 +82,11 @@ def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting
         for blob in around
         for size in AGREED_SIZES
     ]
-    radii = np.array([radius for *_, radius in starts])
-    rims = find_rims([cutting.image] * len(starts), starts, reach=REACH * radii + MARGIN_PX)
+    reach = np.array([REACH * radius + MARGIN_PX for *_, radius in starts])
+    rims = find_rims([cutting.image] * len(starts), starts, reach=reach)
     agreed = [
         circle
-        for rim, radius in zip(rims, radii.tolist(), strict=True)
+        for rim, (*_, radius) in zip(rims, starts, strict=True)
         for circle in agreed_circles(rim.points, radius)
     ]
     return cutting, agreed
@@ -99,15 +98,9 @@ def _within(cutting: Cutting, blob: Blob, radius: float) -> Guess:
 
 
 def _sharpest(circles: Sequence[Circle | None]) -> Circle | None:
-    """Choose the circle whose points scatter least."""
-    return min(circles, key=_scatter, default=None)
-
-
-def _outermost(circles: Sequence[Circle | None]) -> Circle | None:
-    """Choose the largest of those whose points scatter little: highlights and shades lie within a ball."""
-    most = ALIKE * _scatter(_sharpest(circles))
-    good = [circle for circle in circles if circle is not None and _scatter(circle) <= most]
-    return max(good, key=lambda circle: circle.radius, default=None)
+    """Choose the circle that is known best."""
+    found = [circle for circle in circles if circle is not None]
+    return min(found, key=lambda circle: circle.y_sd / circle.inliers, default=None)
 
 
 def _scatter(circle: Circle | None) -> float:
