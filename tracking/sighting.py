@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
-from tracking.planes import Image, colours, cut
+from tracking.levels import Levels, levels_of
+from tracking.planes import cut
 from tracking.recording import View
 
 
@@ -28,7 +29,7 @@ class Cutting:
 
     frame: int
     time: float
-    image: Image
+    image: Levels
     corner: tuple[int, int]
 
 
@@ -40,5 +41,5 @@ def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
         slice(top, min(int(place[1] + half) + 2, height)),
         slice(left, min(int(place[0] + half) + 2, width)),
     )
-    image = colours(cut(view.planes, window))
+    image = levels_of(cut(view.planes, window))
     return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))

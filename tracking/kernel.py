@@ -1,0 +1,21 @@
+"""How tracking is compiled: the only file in it that knows numba.
+
+OpenCV and numpy do one small thing to a whole array at a time. Around a ball fifty pixels wide each such call
+costs more than its work, and Python's lock is held in between. The inner loops are therefore compiled, each
+doing all there is to do in one picture: `levels`, `rim_kernel`, `limb_kernel` and `coarse_kernel`.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+compiled: Callable[[Function], Function] = numba.njit(
+    cache=True, error_model="numpy", nogil=True, fastmath={"contract", "reassoc", "nsz"}
+)
+"""Compile a function to machine code on first call, keep the code on disk, and let other threads run.
+
+What is kept is renewed when the function's own file changes, so what it calls is in the same file.
+"""
