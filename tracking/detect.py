@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from tracking.kept import COARSE, boxes, brightened, coarse_difference, coarsely, gain_between
+from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, mark_changes
 from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged
 from tracking.recording import Recording, View, held_still
 
@@ -22,10 +22,9 @@ BESIDE = 3  # coarse pixels around what a first look found
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Background:
-    """The scene without what moves: planes, a coarse look at them, and their noise, levels."""
+    """The scene without what moves: planes, and their noise, levels."""
 
     planes: Planes
-    coarse: Planes
     noise: float
 
     @property
@@ -81,7 +80,7 @@ def make_background(recording: Recording) -> Background:
         sparse = (slice(None, None, 3), slice(None, None, 3))
         deviations += [float(np.median(difference(one, median)[sparse])) for one in part[::3]]
     noise = 1.4826 * float(np.median(deviations or [0.0]))
-    return Background(planes=whole, coarse=coarsely(whole), noise=noise)
+    return Background(planes=whole, noise=noise)
 
 
 def _alike(recording: Recording) -> list[Planes]:
@@ -144,13 +143,34 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
     The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
     from its fainter shadow or reflection.
     """
-    changed, gain = view.changed, 1.0
-    if changed is None:
-        coarse = coarsely(view.planes)
-        gain = gain_between(coarse[0], background.coarse[0])
-        apart = coarse_difference(coarse, background.coarse, gain)
-        changed = boxes(above(apart, COARSE_SHARE * background.threshold), BESIDE, view.planes[0].shape)
-    return [blob for window in changed for blob in _blobs_within(view.planes, background, gain, window)]
+    shape = view.planes[0].shape
+    windows, gain = view.changed, 1.0
+    if windows is None:
+        windows = ((slice(0, shape[0]), slice(0, shape[1])),)
+        gain = gain_between(view.planes[0][::COARSE, ::COARSE], background.planes[0][::COARSE, ::COARSE])
+    return [
+        blob
+        for window in windows
+        for place in _changed_within(view.planes, background, gain, window)
+        for blob in _blobs_within(view.planes, background, gain, place)
+    ]
+
+
+def _changed_within(
+    seen: Planes, background: Background, gain: float, window: Window
+) -> tuple[Window, ...]:
+    """Windows within a window around all that a look at few pixels shows."""
+    coarse, reference = coarsely(cut(seen, window)), coarsely(cut(background.planes, window))
+    marks = np.zeros_like(coarse[0])
+    mark_changes(coarse, reference, (gain, COARSE_SHARE * background.threshold), marks)
+    rows, columns = window
+    return tuple(
+        (
+            slice(rows.start + down.start, rows.start + down.stop),
+            slice(columns.start + right.start, columns.start + right.stop),
+        )
+        for down, right in boxes(marks, BESIDE, seen[0][window].shape)
+    )
 
 
 def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
