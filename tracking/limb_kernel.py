@@ -3,14 +3,16 @@
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled
+from tracking.kernel import compiled, inlined
 
 FloatArray = npt.NDArray[np.float64]
 SingleArray = npt.NDArray[np.float32]
+Four = tuple[np.float32, np.float32, np.float32, np.float32]
 
 COLOURS = 3
 SHARPNESS = np.float32(-0.75)  # of cubic interpolation, as OpenCV has it
 LEAST_LEFT = np.float32(1.0)
+ZERO, ONE, TWO, THREE = np.arange(4, dtype=np.float32)  # of single precision, or all would be double
 OUTER, INNER, SHARE, REST = 0, 1, 2, 4  # rows of the model
 
 
@@ -46,10 +48,10 @@ def compare(
         if inside[ray]:
             left = np.float32(0)
             for colour in range(COLOURS):
-                facing = inner[ray, colour] / max(brightest[colour], np.float32(1))
-                facing = min(max(facing, np.float32(0)), np.float32(1)) ** 2
-                own = line[ray, colour]
-                own += inner[ray, colour] * (1 - facing) * light[ray]
+                facing = min(max(inner[ray, colour] / max(brightest[colour], ONE), ZERO), ONE)
+                missing, own = inner[ray, colour] * (ONE - facing * facing), line[ray, colour]
+                for sample in range(samples):
+                    own[sample] += missing * light[ray, sample]
                 left += _product(own, own)
                 for row in range(len(products)):
                     products[row, colour] = _product(rows[ray, row], own)
@@ -72,7 +74,7 @@ def _tell(products: SingleArray, gram: SingleArray, information: FloatArray, pul
                     information[kind, second] += pair * gram[2 * end + other, kinds * kind + second]
 
 
-@compiled
+@inlined
 def _product(one: SingleArray, other: SingleArray) -> np.float32:
     """Sum of the products of two rows."""
     total = np.float32(0)
@@ -86,35 +88,42 @@ def _sample(
     levels: SingleArray, circle: FloatArray, offsets: FloatArray, direction: FloatArray, line: SingleArray
 ) -> bool:
     """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture."""
-    height, width = levels.shape[0], levels.shape[1]
-    across, down = np.empty(4, dtype=np.float32), np.empty(4, dtype=np.float32)
+    across, down = direction
     for sample in range(len(offsets)):
         distance = circle[2] + offsets[sample]
-        x, y = circle[0] + direction[0] * distance, circle[1] + direction[1] * distance
-        if not (0 <= x <= width - 1 and 0 <= y <= height - 1):
+        x, y = circle[0] + across * distance, circle[1] + down * distance
+        if not (1 <= x < levels.shape[1] - 2 and 1 <= y < levels.shape[0] - 2):
             return False
-        left, top = int(x), int(y)
-        _cubic(np.float32(x - left), across)
-        _cubic(np.float32(y - top), down)
-        blue = green = red = np.float32(0)
-        for i in range(4):
-            row = min(max(top + i - 1, 0), height - 1)
-            b = g = r = np.float32(0)
-            for j in range(4):
-                column = min(max(left + j - 1, 0), width - 1)
-                b += across[j] * levels[row, column, 0]
-                g += across[j] * levels[row, column, 1]
-                r += across[j] * levels[row, column, 2]
-            blue, green, red = blue + down[i] * b, green + down[i] * g, red + down[i] * r
-        line[0, sample], line[1, sample], line[2, sample] = blue, green, red
+        i, j = int(y), int(x)
+        a, b, c, d = _cubic(np.float32(x - j))
+        first, second, third, fourth = _cubic(np.float32(y - i))
+        near = levels[i - 1 : i + 3, j - 1 : j + 3]
+        for colour in range(COLOURS):
+            line[colour, sample] = (
+                first * _row(near, 0, colour, (a, b, c, d))
+                + second * _row(near, 1, colour, (a, b, c, d))
+                + third * _row(near, 2, colour, (a, b, c, d))
+                + fourth * _row(near, 3, colour, (a, b, c, d))
+            )
     return True
 
 
-@compiled
-def _cubic(beyond: np.float32, weights: SingleArray) -> None:
+@inlined
+def _row(near: SingleArray, row: int, colour: int, weights: Four) -> np.float32:
+    """Interpolate between four neighbours in a row."""
+    return np.float32(
+        weights[0] * near[row, 0, colour]
+        + weights[1] * near[row, 1, colour]
+        + weights[2] * near[row, 2, colour]
+        + weights[3] * near[row, 3, colour]
+    )
+
+
+@inlined
+def _cubic(beyond: np.float32) -> Four:
     """Weigh four neighbours, two to each side of a place a little `beyond` the second."""
-    rest = 1 - beyond
-    weights[0] = SHARPNESS * beyond * rest * rest
-    weights[1] = ((SHARPNESS + 2) * beyond - (SHARPNESS + 3)) * beyond * beyond + 1
-    weights[2] = ((SHARPNESS + 2) * rest - (SHARPNESS + 3)) * rest * rest + 1
-    weights[3] = 1 - weights[0] - weights[1] - weights[2]
+    rest = ONE - beyond
+    first = SHARPNESS * beyond * rest * rest
+    second = ((SHARPNESS + TWO) * beyond - (SHARPNESS + THREE)) * beyond * beyond + ONE
+    third = ((SHARPNESS + TWO) * rest - (SHARPNESS + THREE)) * rest * rest + ONE
+    return first, second, third, ONE - first - second - third
