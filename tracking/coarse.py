@@ -56,9 +56,9 @@ def mark_changes(
     lasting : int, optional
     """
     gain, least = change
-    dim = np.ascontiguousarray(brightened(reference[0], gain))
+    dim, blue, red = map(np.ascontiguousarray, (brightened(reference[0], gain), *reference[1:]))
     levels = np.array((least, least / COLOUR_SHARE), dtype=np.uint8)
-    _mark(coarse, (dim, reference[1], reference[2]), levels, marks, lasting)
+    _mark(coarse, (dim, blue, red), levels, marks, lasting)
 
 
 @compiled
@@ -109,7 +109,8 @@ def boxes(marks: Image, beside: int, shape: tuple[int, ...]) -> tuple[Window, ..
     found: list[tuple[int, int, int, int]] = []
     for outline in outlines:
         left, top, width, height = cv2.boundingRect(outline)
-        found = _joined(found, (top - beside, top + height + beside, left - beside, left + width + beside))
+        first = (top - beside) // 2 * 2, (left - beside) // 2 * 2  # a pixel of colour is two of brightness
+        found = _joined(found, (first[0], top + height + beside, first[1], left + width + beside))
     return tuple(
         (
             slice(COARSE * max(top, 0), min(COARSE * bottom, shape[0])),

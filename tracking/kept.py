@@ -4,7 +4,6 @@ A recording is decoded once. Most of each picture shows what the picture before 
 or a shadow changed is kept and laid over the first picture again whenever the frame is looked at.
 """
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import cv2
@@ -95,27 +94,13 @@ class Keeper:
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows
 
 
-def relive(pictures: Sequence[Planes], frames: Sequence[Kept], wanted: Sequence[int]) -> Iterator[Planes]:
-    """Give some frames in turn, all in one piece of memory: each holds until the next is taken."""
-    shown = -1
-    changed: tuple[Window, ...] = ()
-    for number in wanted:
-        kept = frames[number]
-        if kept.picture != shown:
-            shown, whole = kept.picture, copied(pictures[kept.picture])
-        else:
-            for window in changed:
-                _lay(cut(pictures[shown], window), whole, window)
-        for window, patch in zip(kept.windows, kept.patches, strict=True):
-            _lay(patch, whole, window)
-        changed = kept.windows
-        yield whole
-
-
-def _lay(patch: Planes, whole: Planes, window: Window) -> None:
-    """Lay a patch over a picture."""
-    place = cut(whole, window)
-    place[0][:], place[1][:], place[2][:] = patch
+def laid_over(picture: Planes, kept: Kept) -> Planes:
+    """Give a whole frame again: the picture that it differs from, and over that what was kept of it."""
+    whole = copied(picture)
+    for window, patch in zip(kept.windows, kept.patches, strict=True):
+        for place, plane in zip(cut(whole, window), patch, strict=True):
+            place[:] = plane
+    return whole
 
 
 def _patch(seen: Planes, window: Window, gain: float) -> Planes:

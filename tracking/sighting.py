@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
 from tracking.levels import Levels, levels_of
-from tracking.planes import cut
 from tracking.recording import View
 
 
@@ -36,10 +35,10 @@ class Cutting:
 def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
     """Copy what is at most so many pixels above, below or beside a place."""
     left, top = (max(0, int(value - half)) // 2 * 2 for value in place)
-    height, width = view.planes[0].shape
+    height, width = view.size
     window = (
         slice(top, min(int(place[1] + half) + 2, height)),
         slice(left, min(int(place[0] + half) + 2, width)),
     )
-    image = levels_of(cut(view.planes, window))
+    image = levels_of(view.cut(window))
     return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
