@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.levels import Levels, as_levels
+from tracking.levels import Patch, patch_around
 from tracking.planes import Image
 from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, STEP_PX, fit_rim, see_rim
 
@@ -61,7 +61,7 @@ class Rim:
 
 
 def find_rims(
-    images: Sequence[Image | Levels],
+    images: Sequence[Image | Patch],
     guesses: Sequence[Guess] | FloatArray,
     *,
     reach: FloatArray | float,
@@ -71,7 +71,7 @@ def find_rims(
 
     Parameters
     ----------
-    images : sequence of (height, width, 3) arrays, or of levels
+    images : sequence of (height, width, 3) arrays, or of patches
     guesses : (n, 3) array_like
         x, y and radius in each picture, px.
     reach : (n,) array or float
@@ -84,9 +84,9 @@ def find_rims(
     ways = (np.broadcast_to(value, len(circles)).tolist() for value in (reach, blur))
     rims = []
     for image, circle, far, own, place in zip(images, circles, *ways, points, strict=True):
-        levels, corner = _around(image, circle, far)
-        contrast = see_rim(levels, circle - corner, far, own, place)
-        place += corner[:2]
+        patch = patch_around(image, circle[0], circle[1], circle[2] + far + 2 * STEP_PX)
+        contrast = see_rim(patch.levels, circle - patch.corner, far, own, place)
+        place += patch.corner[:2]
         rims.append(Rim(points=place, contrast=contrast))
     return rims
 
@@ -129,14 +129,3 @@ def fit_circle(rim: Rim, guess: Guess, *, free_radius: bool) -> Circle | None:
 def locate_circle(image: Image, guess: Guess, *, reach: float, free_radius: bool = False) -> Circle | None:
     """Find a ball's outline near a guess (x, y, radius in px) in one picture; None if it is not seen."""
     return fit_circle(find_rim(image, guess, reach=reach), guess, free_radius=free_radius)
-
-
-def _around(image: Image | Levels, circle: FloatArray, reach: float) -> tuple[Levels, FloatArray]:
-    """Levels that hold all that is looked at, and x, y and 0 of their upper left pixel."""
-    if image.dtype == np.float32 or not np.isfinite(circle).all():
-        return as_levels(image), np.zeros(3)
-    half = float(circle[2]) + reach + 2 * STEP_PX
-    x, y = circle[:2].tolist()
-    left, top = max(0, min(int(x - half), image.shape[1] - 1)), max(0, min(int(y - half), image.shape[0] - 1))
-    window = image[top : max(top + 1, int(y + half) + 2), left : max(left + 1, int(x + half) + 2)]
-    return as_levels(window), np.array((left, top, 0.0))

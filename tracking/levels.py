@@ -1,7 +1,9 @@
 """Levels: what surrounds a ball, as the compiled search for its rim reads it.
 
-A (height, width, 4) array of blue, green, red and nothing, so that the colours of a pixel lie in one place.
+(height, width, 4) arrays of blue, green, red and nothing, so that the colours of a pixel lie in one place.
 """
+
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -17,17 +19,28 @@ BLUE_IN_GREEN, RED_IN_GREEN = 0.344, 0.714
 GREY = np.float32(128)  # no difference of colour
 
 
-def levels_of(of: Planes) -> Levels:
-    """Make levels of planes; no level is cut off at what a screen can show."""
-    brightness, blue, red = (np.ascontiguousarray(plane) for plane in of)
-    return _mixed(brightness, blue, red)
+class Patch(NamedTuple):
+    """Levels of a part of a picture, and x, y and 0 of their upper left pixel, px."""
+
+    levels: Levels
+    corner: npt.NDArray[np.float64]
 
 
-def as_levels(image: Image | Levels) -> Levels:
-    """Make levels of a (height, width, 3) picture; levels stay as they are."""
-    if image.dtype == np.float32:
-        return np.asarray(image, dtype=np.float32)
-    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2BGRA), dtype=np.float32)
+def patch_of(seen: Planes, left: int, top: int) -> Patch:
+    """Make a patch of planes cut out at a place; no level is cut off at what a screen can show."""
+    brightness, blue, red = (np.ascontiguousarray(plane) for plane in seen)
+    return Patch(_mixed(brightness, blue, red), np.array((left, top, 0.0)))
+
+
+def patch_around(image: Image | Patch, x: float, y: float, half: float) -> Patch:
+    """Make a patch of what is around a place in a (height, width, 3) picture; a patch stays as it is."""
+    if isinstance(image, Patch):
+        return image
+    height, width = image.shape[:2]
+    left, top = max(0, min(int(x - half), width - 1)), max(0, min(int(y - half), height - 1))
+    window = image[top : max(top + 1, int(y + half) + 2), left : max(left + 1, int(x + half) + 2)]
+    levels = np.asarray(cv2.cvtColor(window, cv2.COLOR_BGR2BGRA), dtype=np.float32)
+    return Patch(levels, np.array((left, top, 0.0)))
 
 
 @compiled

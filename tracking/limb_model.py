@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from tracking.levels import Levels, as_levels
+from tracking.levels import Patch, patch_around
 from tracking.limb_kernel import compare
 from tracking.planes import Image
 from tracking.rim_kernel import RAYS
@@ -71,7 +71,7 @@ class Look(NamedTuple):
 
 
 def look(
-    images: Sequence[Image | Levels], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1
+    images: Sequence[Image | Patch], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1
 ) -> Look:
     """Compare the levels along all rays with the model, linearized about the circles at `places`."""
     count = (len(images), len(ANGLES))
@@ -81,7 +81,8 @@ def look(
     models = {way: _model(limb, radius, way, kinds) for way in np.unique(ways).tolist()}
     for image, place, way, *own in zip(images, places, ways.tolist(), *seen, strict=True):
         model = models[way]
-        compare(as_levels(image), (place, model.offsets, DIRECTIONS), model[1:], tuple(own))
+        patch = patch_around(image, place[0], place[1], place[2] + model.offsets[-1] + 2)
+        compare(patch.levels, (place - patch.corner, model.offsets, DIRECTIONS), model[1:], tuple(own))
     return seen
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
-from tracking.levels import Levels, levels_of
+from tracking.levels import Patch, patch_of
 from tracking.recording import View
 
 
@@ -24,12 +24,11 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cutting:
-    """What surrounds a place in a frame; the upper left pixel of `image` is at `corner` (x, y)."""
+    """What surrounds a place in a frame."""
 
     frame: int
     time: float
-    image: Levels
-    corner: tuple[int, int]
+    patch: Patch
 
 
 def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
@@ -40,5 +39,4 @@ def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
         slice(top, min(int(place[1] + half) + 2, height)),
         slice(left, min(int(place[0] + half) + 2, width)),
     )
-    image = levels_of(view.cut(window))
-    return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
+    return Cutting(frame=view.index, time=view.time, patch=patch_of(view.cut(window), left, top))

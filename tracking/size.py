@@ -6,7 +6,7 @@ import numpy as np
 
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.detect import Blob
-from tracking.planes import Image
+from tracking.levels import Patch
 from tracking.recording import Recording
 from tracking.sighting import cut_out
 from tracking.video import revisit
@@ -42,14 +42,10 @@ def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float)
         cut_out(view, (path[view.index].x, path[view.index].y), HALF_WIDTH * guess)
         for view in revisit(recording, set(sharpest))
     ]
-    images = [cutting.image for cutting in cuttings for _ in STARTING_SIZES]
+    patches = [cutting.patch for cutting in cuttings for _ in STARTING_SIZES]
     circles = _settled(
-        images,
-        [
-            (path[c.frame].x - c.corner[0], path[c.frame].y - c.corner[1], size * guess)
-            for c in cuttings
-            for size in STARTING_SIZES
-        ],
+        patches,
+        [(path[c.frame].x, path[c.frame].y, size * guess) for c in cuttings for size in STARTING_SIZES],
     )
     radii = []
     for first in range(0, len(circles), len(STARTING_SIZES)):
@@ -59,14 +55,14 @@ def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float)
     return float(np.median(radii)) if radii else guess
 
 
-def _settled(images: list[Image], guesses: list[Guess]) -> list[Circle | None]:
+def _settled(patches: list[Patch], guesses: list[Guess]) -> list[Circle | None]:
     """Fit again and again from the circles just found, until the guesses no longer matter."""
-    found: list[Circle | None] = [None] * len(images)
-    going = list(range(len(images)))
+    found: list[Circle | None] = [None] * len(patches)
+    going = list(range(len(patches)))
     for _ in range(REFITS):
         reach = np.array([REACH * guesses[i][2] + MARGIN_PX for i in going])
         starts = [guesses[i] for i in going]
-        rims = find_rims([images[i] for i in going], starts, reach=reach)
+        rims = find_rims([patches[i] for i in going], starts, reach=reach)
         for i, circle in zip(tuple(going), fit_circles(rims, starts, free_radius=True), strict=True):
             before, found[i] = guesses[i][2], circle
             if circle is not None:
