@@ -13,25 +13,44 @@ COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
 GAIN_RANGE = (0.5, 2.0)
+NINTH, HALF = np.uint32(7282), np.uint32(32768)  # of 2**16
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
 def coarsely(seen: Planes) -> Planes:
     """Look at a few pixels only, evenly spread; brightness averaged over three rows and columns."""
-    down, right = fewer(seen)
-    brightness = cv2.blur(np.ascontiguousarray(seen[0][::COARSE, ::COARSE]), (3, 3))
-    blue, red = (
-        np.ascontiguousarray(plane[:: 2 * COARSE // down, :: 2 * COARSE // right]) for plane in seen[1:]
-    )
-    return np.asarray(brightness, dtype=np.uint8), blue, red
+    down, right = (2 * COARSE // times for times in fewer(seen))
+    blue, red = (np.ascontiguousarray(plane[::down, ::right]) for plane in seen[1:])
+    return _averaged(np.ascontiguousarray(seen[0][::COARSE, ::COARSE])), blue, red
+
+
+@compiled
+def _averaged(image: Image) -> Image:
+    """Average over three rows and columns; beyond the border it goes on as at the border."""
+    height, width = image.shape
+    averaged, across = np.empty((height, width), dtype=np.uint8), np.empty(width + 2, dtype=np.uint16)
+    for row in range(height):
+        above, own, below = image[max(row - 1, 0)], image[row], image[min(row + 1, height - 1)]
+        for column in range(width):
+            across[column + 1] = np.uint16(above[column]) + np.uint16(own[column]) + np.uint16(below[column])
+        across[0], across[width + 1] = across[1], across[width]
+        for column in range(width):
+            sum_of_nine = across[column] + across[column + 1] + across[column + 2]
+            averaged[row, column] = (sum_of_nine * NINTH + HALF) >> 16
+    return averaged
 
 
 def gain_between(image: Image, reference: Image) -> float:
     """How much brighter a picture is than another: flicker."""
-    few = (slice(None, None, 8), slice(None, None, 8))
-    ratio = ((image[few] + np.float32(1)) / (reference[few] + np.float32(1))).ravel()
+    return _middle_ratio(np.ascontiguousarray(image[::8, ::8]), np.ascontiguousarray(reference[::8, ::8]))
+
+
+@compiled
+def _middle_ratio(image: Image, reference: Image) -> float:
+    """Median of the ratios of levels, pixel by pixel."""
+    ratios = (image + np.float32(1)) / (reference + np.float32(1))
     least, most = GAIN_RANGE
-    return min(max(float(np.partition(ratio, len(ratio) // 2)[len(ratio) // 2]), least), most)
+    return min(max(float(np.partition(ratios.ravel(), ratios.size // 2)[ratios.size // 2]), least), most)
 
 
 def brightened(image: Image, gain: float) -> Image:
