@@ -21,11 +21,11 @@ def coarsely(seen: Planes) -> Planes:
     """Look at a few pixels only, evenly spread; brightness averaged over three rows and columns."""
     down, right = (2 * COARSE // times for times in fewer(seen))
     blue, red = (np.ascontiguousarray(plane[::down, ::right]) for plane in seen[1:])
-    return _averaged(np.ascontiguousarray(seen[0][::COARSE, ::COARSE])), blue, red
+    return averaged(np.ascontiguousarray(seen[0][::COARSE, ::COARSE])), blue, red
 
 
 @compiled
-def _averaged(image: Image) -> Image:
+def averaged(image: Image) -> Image:
     """Average over three rows and columns; beyond the border it goes on as at the border."""
     height, width = image.shape
     averaged, across = np.empty((height, width), dtype=np.uint8), np.empty(width + 2, dtype=np.uint16)
