@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.levels import Patch, patch_around
+from tracking.patch import Patch, as_patch
 from tracking.planes import Image
-from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, STEP_PX, fit_rim, see_rim
+from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, fit_rim, see_rim
 
 FloatArray = npt.NDArray[np.float64]
 Guess = tuple[float, float, float]
@@ -84,8 +84,8 @@ def find_rims(
     ways = (np.broadcast_to(value, len(circles)).tolist() for value in (reach, blur))
     rims = []
     for image, circle, far, own, place in zip(images, circles, *ways, points, strict=True):
-        patch = patch_around(image, circle[0], circle[1], circle[2] + far + 2 * STEP_PX)
-        contrast = see_rim(patch.levels, circle - patch.corner, far, own, place)
+        patch = as_patch(image)
+        contrast = see_rim(patch.image, circle - patch.corner, far, own, place)
         place += patch.corner[:2]
         rims.append(Rim(points=place, contrast=contrast))
     return rims

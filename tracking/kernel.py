@@ -2,7 +2,7 @@
 
 OpenCV and numpy do one small thing to a whole array at a time. Around a ball fifty pixels wide each such call
 costs more than its work, and Python's lock is held in between. The inner loops are therefore compiled, each
-doing all there is to do in one picture: `levels`, `rim_kernel`, `limb_kernel` and `coarse_kernel`.
+doing all there is to do in one picture: they are in `coarse`, `patch`, `path`, `rim_kernel`, `limb_kernel`.
 """
 
 from collections.abc import Callable

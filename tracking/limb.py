@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.circle import RAYS, Circle, Rim, fit_circles
-from tracking.levels import Patch
 from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Limb, Look, look
+from tracking.patch import Patch
 from tracking.planes import Image
 
 __all__ = ["Limb", "measure_limb", "sharpen"]

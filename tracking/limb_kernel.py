@@ -6,6 +6,7 @@ import numpy.typing as npt
 from tracking.kernel import compiled, inlined
 
 FloatArray = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
 SingleArray = npt.NDArray[np.float32]
 Four = tuple[np.float32, np.float32, np.float32, np.float32]
 
@@ -18,7 +19,7 @@ OUTER, INNER, SHARE, REST = 0, 1, 2, 4  # rows of the model
 
 @compiled
 def compare(
-    levels: SingleArray,
+    image: Image,
     rays: tuple[FloatArray, FloatArray, FloatArray],
     model: tuple[SingleArray, SingleArray, SingleArray],
     seen: tuple[FloatArray, FloatArray, FloatArray],
@@ -27,7 +28,7 @@ def compare(
 
     Parameters
     ----------
-    levels : (height, width, 4) array
+    image : (height, width, 3) array
     rays : the circle (3,); offsets from it (samples,) and directions (rays, 2)
     model : rows, gram and light of `limb_model`
     seen : information (rays, kinds, kinds), pull (rays, kinds) and variance (rays,), as `Look` has them
@@ -38,7 +39,7 @@ def compare(
     line, inside = np.zeros((count, COLOURS, samples), dtype=np.float32), np.empty(count, dtype=np.bool_)
     inner, brightest = np.zeros((count, COLOURS), dtype=np.float32), np.zeros(COLOURS, dtype=np.float32)
     for ray in range(count):
-        inside[ray] = _sample(levels, rays[0], rays[1], rays[2][ray], line[ray])
+        inside[ray] = _sample(image, rays[0], rays[1], rays[2][ray], line[ray])
         for colour in range(COLOURS):
             inner[ray, colour] = inside[ray] * _product(rows[ray, INNER], line[ray, colour])
             brightest[colour] += inner[ray, colour] / np.float32(count)
@@ -85,19 +86,19 @@ def _product(one: SingleArray, other: SingleArray) -> np.float32:
 
 @compiled
 def _sample(
-    levels: SingleArray, circle: FloatArray, offsets: FloatArray, direction: FloatArray, line: SingleArray
+    image: Image, circle: FloatArray, offsets: FloatArray, direction: FloatArray, line: SingleArray
 ) -> bool:
     """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture."""
     across, down = direction
     for sample in range(len(offsets)):
         distance = circle[2] + offsets[sample]
         x, y = circle[0] + across * distance, circle[1] + down * distance
-        if not (1 <= x < levels.shape[1] - 2 and 1 <= y < levels.shape[0] - 2):
+        if not (1 <= x < image.shape[1] - 2 and 1 <= y < image.shape[0] - 2):
             return False
         i, j = int(y), int(x)
         a, b, c, d = _cubic(np.float32(x - j))
         first, second, third, fourth = _cubic(np.float32(y - i))
-        near = levels[i - 1 : i + 3, j - 1 : j + 3]
+        near = image[i - 1 : i + 3, j - 1 : j + 3]
         for colour in range(COLOURS):
             line[colour, sample] = (
                 first * _row(near, 0, colour, (a, b, c, d))
@@ -109,13 +110,13 @@ def _sample(
 
 
 @inlined
-def _row(near: SingleArray, row: int, colour: int, weights: Four) -> np.float32:
+def _row(near: Image, row: int, colour: int, weights: Four) -> np.float32:
     """Interpolate between four neighbours in a row."""
     return np.float32(
-        weights[0] * near[row, 0, colour]
-        + weights[1] * near[row, 1, colour]
-        + weights[2] * near[row, 2, colour]
-        + weights[3] * near[row, 3, colour]
+        weights[0] * np.float32(near[row, 0, colour])
+        + weights[1] * np.float32(near[row, 1, colour])
+        + weights[2] * np.float32(near[row, 2, colour])
+        + weights[3] * np.float32(near[row, 3, colour])
     )
 
 

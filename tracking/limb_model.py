@@ -21,8 +21,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from tracking.levels import Patch, patch_around
 from tracking.limb_kernel import compare
+from tracking.patch import Patch, as_patch
 from tracking.planes import Image
 from tracking.rim_kernel import RAYS
 
@@ -81,8 +81,8 @@ def look(
     models = {way: _model(limb, radius, way, kinds) for way in np.unique(ways).tolist()}
     for image, place, way, *own in zip(images, places, ways.tolist(), *seen, strict=True):
         model = models[way]
-        patch = patch_around(image, place[0], place[1], place[2] + model.offsets[-1] + 2)
-        compare(patch.levels, (place - patch.corner, model.offsets, DIRECTIONS), model[1:], tuple(own))
+        patch = as_patch(image)
+        compare(patch.image, (place - patch.corner, model.offsets, DIRECTIONS), model[1:], tuple(own))
     return seen
 
 

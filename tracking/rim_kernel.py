@@ -1,7 +1,4 @@
-"""The compiled part of `circle`: where the levels change most along each ray, and a circle through that.
-
-Levels are (height, width, 4) arrays: blue, green, red, and nothing, so that no colour crosses a cache line.
-"""
+"""The compiled part of `circle`: where the levels change most along each ray, and a circle through that."""
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +6,8 @@ import numpy.typing as npt
 from tracking.kernel import compiled
 
 FloatArray = npt.NDArray[np.float64]
-Levels = npt.NDArray[np.float32]
+SingleArray = npt.NDArray[np.float32]
+Image = npt.NDArray[np.uint8]
 Pair = tuple[float, float]
 
 RAYS = 64
@@ -28,7 +26,7 @@ DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 
 
 @compiled
-def see_rim(levels: Levels, circle: FloatArray, reach: float, blur: float, points: FloatArray) -> float:
+def see_rim(image: Image, circle: FloatArray, reach: float, blur: float, points: FloatArray) -> float:
     """Find the steepest place on each ray from a circle's centre: `points` (rays, 2), NaN where none is.
 
     The rim is searched within the radius ± `reach`, and smeared by `blur` px up and down. Returns the median
@@ -44,14 +42,14 @@ def see_rim(levels: Levels, circle: FloatArray, reach: float, blur: float, point
     expected = np.empty(count - 1, dtype=np.float32)
     for k in range(count - 1):
         expected[k] = np.exp(-0.5 * ((inner + STEP_PX * (k + 0.5) - radius) / (0.7 * reach)) ** 2)
-    line = np.zeros((count, 4), dtype=np.float32)
+    line = np.zeros((count, 3), dtype=np.float32)
     contrasts, seen = np.empty(RAYS), 0
     for ray in range(RAYS):
         across, down = DIRECTIONS[ray]
         end_x, end_y = x + across * furthest, y + down * furthest
-        if not (0 <= end_x <= levels.shape[1] - 1 and 0 <= end_y <= levels.shape[0] - 1):
+        if not (0 <= end_x <= image.shape[1] - 1 and 0 <= end_y <= image.shape[0] - 1):
             continue
-        _sample(levels, (x + across * inner, y + down * inner), (across, down), line)
+        _sample(image, (x + across * inner, y + down * inner), (across, down), line)
         edge = _steepest(line, expected, (PEAK_PX + blur / 2 * abs(down)) / STEP_PX)
         if np.isfinite(edge):
             distance = inner + STEP_PX * edge
@@ -62,9 +60,9 @@ def see_rim(levels: Levels, circle: FloatArray, reach: float, blur: float, point
 
 
 @compiled
-def _sample(levels: Levels, start: Pair, direction: Pair, line: Levels) -> None:
+def _sample(image: Image, start: Pair, direction: Pair, line: SingleArray) -> None:
     """Interpolate levels (samples, colours) along a ray, at even steps."""
-    bottom, right = levels.shape[0] - 1, levels.shape[1] - 1
+    bottom, right = image.shape[0] - 1, image.shape[1] - 1
     for k in range(len(line)):
         x = min(max(start[0] + direction[0] * STEP_PX * k, 0.0), float(right))
         y = min(max(start[1] + direction[1] * STEP_PX * k, 0.0), float(bottom))
@@ -72,14 +70,14 @@ def _sample(levels: Levels, start: Pair, direction: Pair, line: Levels) -> None:
         below, beside = min(i + 1, bottom), min(j + 1, right)
         to_right, to_bottom = np.float32(x - j), np.float32(y - i)
         for colour in range(3):
-            upper, lower = levels[i, j, colour], levels[below, j, colour]
-            upper += to_right * (levels[i, beside, colour] - upper)
-            lower += to_right * (levels[below, beside, colour] - lower)
+            upper, lower = np.float32(image[i, j, colour]), np.float32(image[below, j, colour])
+            upper += to_right * (np.float32(image[i, beside, colour]) - upper)
+            lower += to_right * (np.float32(image[below, beside, colour]) - lower)
             line[k, colour] = upper + to_bottom * (lower - upper)
 
 
 @compiled
-def _square_apart(line: Levels, one: int, other: int) -> np.float32:
+def _square_apart(line: SingleArray, one: int, other: int) -> np.float32:
     """Square of the difference of two samples, whatever the colour, brighter or darker."""
     blue, green, red = (
         line[other, 0] - line[one, 0],
@@ -90,7 +88,7 @@ def _square_apart(line: Levels, one: int, other: int) -> np.float32:
 
 
 @compiled
-def _steepest(line: Levels, expected: Levels, half_width: float) -> float:
+def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> float:
     """Centroid of the steepest part of a ray, in steps; what is flat beside it is shading or texture.
 
     NaN where nothing is steep.

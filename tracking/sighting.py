@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
-from tracking.levels import Patch, patch_of
+from tracking.patch import Patch, patch_of
 from tracking.recording import View
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.detect import Blob
-from tracking.levels import Patch
+from tracking.patch import Patch
 from tracking.recording import Recording
 from tracking.sighting import cut_out
 from tracking.video import revisit
