@@ -21,22 +21,29 @@ def coarsely(seen: Planes) -> Planes:
     """Look at a few pixels only, evenly spread; brightness averaged over three rows and columns."""
     down, right = (2 * COARSE // times for times in fewer(seen))
     blue, red = (np.ascontiguousarray(plane[::down, ::right]) for plane in seen[1:])
-    return averaged(np.ascontiguousarray(seen[0][::COARSE, ::COARSE])), blue, red
+    return _averaged(seen[0]), blue, red
 
 
 @compiled
-def averaged(image: Image) -> Image:
-    """Average over three rows and columns; beyond the border it goes on as at the border."""
-    height, width = image.shape
-    averaged, across = np.empty((height, width), dtype=np.uint8), np.empty(width + 2, dtype=np.uint16)
+def _averaged(plane: Image) -> Image:
+    """Look at every `COARSE`th pixel, averaged over three rows and columns of them."""
+    few = np.empty((-(-plane.shape[0] // COARSE), -(-plane.shape[1] // COARSE)), dtype=np.uint8)
+    height, width = few.shape
+    line, across = np.empty(plane.shape[1], dtype=np.uint8), np.empty(width + 2, dtype=np.uint16)
     for row in range(height):
-        above, own, below = image[max(row - 1, 0)], image[row], image[min(row + 1, height - 1)]
+        for column in range(len(line)):  # all of it: memory gives what lies side by side far sooner
+            line[column] = plane[COARSE * row, column]
+        for column in range(width):
+            few[row, column] = line[COARSE * column]
+    averaged = np.empty_like(few)
+    for row in range(height):
+        above, own, below = few[max(row - 1, 0)], few[row], few[min(row + 1, height - 1)]
         for column in range(width):
             across[column + 1] = np.uint16(above[column]) + np.uint16(own[column]) + np.uint16(below[column])
         across[0], across[width + 1] = across[1], across[width]
         for column in range(width):
-            sum_of_nine = across[column] + across[column + 1] + across[column + 2]
-            averaged[row, column] = (sum_of_nine * NINTH + HALF) >> 16
+            nine = across[column] + across[column + 1] + across[column + 2]
+            averaged[row, column] = (nine * NINTH + HALF) >> 16
     return averaged
 
 
