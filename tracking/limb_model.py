@@ -37,6 +37,8 @@ SLOPES = ("shift", "blur", "shading")
 _SPREAD = (np.arange(TWINS) - (TWINS - 1) / 2) / TWINS
 ANGLES: FloatArray = ((np.arange(RAYS)[:, None] + _SPREAD) * (2 * np.pi / RAYS)).ravel()
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+_SLANTS, _SLANT = np.unique(np.abs(DIRECTIONS[:, 1]).round(12), return_inverse=True)
+"""How upright rays are, and which of that each is: four or more are alike."""
 _DEPTHS = np.linspace(-6.0, 60.0, 3301)
 _BELL = np.exp(-(np.linspace(-6.0, 6.0, 601) ** 2) / 2)
 _ROOTS = np.array(
@@ -105,7 +107,7 @@ def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
     """Make the model of a ball of some radius that goes some way up or down during the exposure, px."""
     reach = min(REACH_PX + way / 2, DEEPEST * radius)
     offsets = np.linspace(-reach, reach, SAMPLES)
-    smeared = way * np.abs(DIRECTIONS[:, 1:]) / np.sqrt(12)
+    smeared = way * _SLANTS[:, None] / np.sqrt(12)
 
     def basis(shift: float = 0.0, blur: float = 0.0, shading: float = 0.0) -> FloatArray:
         width = np.hypot(limb.blur + blur, smeared)
@@ -117,13 +119,13 @@ def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
     )
     within, upper = np.linalg.qr(basis())
     left = slopes - (within @ np.swapaxes(within, 1, 2))[:, None] @ slopes
-    flat = np.moveaxis(left, 2, 3).reshape(len(ANGLES), -1, SAMPLES)
+    flat = np.moveaxis(left, 2, 3).reshape(len(_SLANTS), -1, SAMPLES)
     across = np.swapaxes(within, 1, 2)
     rows = np.concatenate((np.linalg.solve(upper, across), across, flat), axis=1).astype(np.float32)
     gram = (flat @ np.swapaxes(flat, 1, 2)).reshape(-1, kinds, 2, kinds, 2)
     gram = gram.transpose(0, 2, 4, 1, 3).reshape(-1, 4, kinds**2).astype(np.float32)
     light = (basis()[..., 1] - basis(shading=-limb.shading)[..., 1]).astype(np.float32)
-    return _Model(offsets=offsets, rows=rows, gram=gram, light=light)
+    return _Model(offsets=offsets, rows=rows[_SLANT], gram=gram[_SLANT], light=light[_SLANT])
 
 
 def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: float) -> FloatArray:
