@@ -113,7 +113,7 @@ def _mark_coloured(coarse: Planes, reference: Planes, level: int, row: int, colo
 
 @compiled
 def largest_change(before: Image, after: Image) -> float:
-    """Tell by how much the `CHANGED_RANK` most changed places of two pictures differ at least, grey levels."""
+    """Tell by how much at least the `CHANGED_RANK` most changed places of two pictures differ, levels."""
     largest = np.zeros(CHANGED_RANK, dtype=np.int64)  # in order, the least of them first
     apart = np.empty(before.shape[1], dtype=np.uint8)
     for row in range(len(before)):

@@ -149,9 +149,7 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
     if windows is None:
         windows = ((slice(0, view.size[0]), slice(0, view.size[1])),)
         gain = gain_between(coarsely(view.cut(windows[0]))[0], background.coarse[0])
-    return [
-        blob for window in windows for blob in _blobs_within(view.cut(window), background, gain, window)
-    ]
+    return [blob for window in windows for blob in _blobs_within(view.cut(window), background, gain, window)]
 
 
 def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
@@ -160,9 +158,7 @@ def _blobs_within(seen: Planes, background: Background, gain: float, window: Win
     coarse = coarsely(seen)
     marks = np.zeros_like(coarse[0])
     few = _coarsely(rows), _coarsely(columns)
-    mark_changes(
-        coarse, cut(background.coarse, few), (gain, COARSE_SHARE * background.threshold), marks
-    )
+    mark_changes(coarse, cut(background.coarse, few), (gain, COARSE_SHARE * background.threshold), marks)
     base = cut(background.planes, window)
     blobs = []
     for place in boxes(marks, BESIDE, seen[0].shape):
@@ -172,14 +168,10 @@ def _blobs_within(seen: Planes, background: Background, gain: float, window: Win
     return blobs
 
 
-def _blobs_in(
-    apart: Image, threshold: float, frame: tuple[tuple[int, int], tuple[int, ...]]
-) -> list[Blob]:
+def _blobs_in(apart: Image, threshold: float, frame: tuple[tuple[int, int], tuple[int, ...]]) -> list[Blob]:
     """List the patches of a difference, whose window lies at a corner (x, y) in a picture of some shape."""
     corner, shape = frame
-    mask = np.asarray(
-        cv2.morphologyEx(above(apart, threshold), cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8
-    )
+    mask = np.asarray(cv2.morphologyEx(above(apart, threshold), cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
     blobs = []
     for place, area in _outlines(mask):
         if area < MINIMUM_DIAMETER_PX**2 / 2:

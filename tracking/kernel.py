@@ -12,16 +12,17 @@ import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+njit: Any = numba.njit  # its stubs do not know what may be passed on
 OPTIONS = {
     "cache": True,
     "error_model": "numpy",
     "nogil": True,
     "fastmath": {"contract", "reassoc", "nsz"},
 }
-compiled: Callable[[Function], Function] = numba.njit(**OPTIONS)
+compiled: Callable[[Function], Function] = njit(**OPTIONS)
 """Compile a function to machine code on first call, keep the code on disk, and let other threads run.
 
 What is kept is renewed when the function's own file changes, so what it calls is in the same file.
 """
-inlined: Callable[[Function], Function] = numba.njit(forceinline=True, **OPTIONS)
+inlined: Callable[[Function], Function] = njit(forceinline=True, **OPTIONS)
 """The same for a small function that is called so often that the call itself would cost most."""

@@ -8,10 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import RAYS, Circle, Rim, fit_circles
+from tracking.circle import Circle, Rim, fit_circles
 from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Limb, Look, look
 from tracking.patch import Patch
 from tracking.planes import Image
+from tracking.rim_kernel import RAYS
 
 __all__ = ["Limb", "measure_limb", "sharpen"]
 

@@ -1,4 +1,4 @@
-"""The compiled part of `limb_model`: levels along the rays of one circle, and how they compare with the model."""
+"""The compiled part of `limb_model`: levels along the rays of a circle, compared with the model."""
 
 import numpy as np
 import numpy.typing as npt

@@ -103,8 +103,10 @@ def _misfit(table: FloatArray, radius: float) -> FloatArray:
 
 
 @compiled
-def _cheapest(table: FloatArray, own: FloatArray, first: IntArray, radius: float) -> tuple[FloatArray, IntArray]:
-    """Cost of the cheapest path to each patch, and the patch before it there; `first` (frames + 1,) of each."""
+def _cheapest(
+    table: FloatArray, own: FloatArray, first: IntArray, radius: float
+) -> tuple[FloatArray, IntArray]:
+    """Cost of the cheapest path to each patch, and which patch is before it; `first` patch of each frame."""
     total, came = np.empty(len(own)), np.full(len(own), MISSING)
     for frame in range(len(first) - 1):
         for here in range(first[frame], first[frame + 1]):

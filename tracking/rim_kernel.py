@@ -138,8 +138,8 @@ def fit_rim(
 ) -> Pair:
     """Fit a circle to points by Gauss-Newton with Tukey weights times what is `known` of each (rays,).
 
-    `circle` (x, y, radius) moves, the radius only if three are `free`; `agreement` (rays,), the Tukey weights,
-    is written. Returns the variances of x and y, px².
+    `circle` (x, y, radius) moves, the radius only if three are `free`; `agreement` (rays,), the Tukey
+    weights, is written. Returns the variances of x and y, px².
     """
     offsets, seen = np.empty((RAYS, 3)), 0
     agreement[:] = 0.0
@@ -148,31 +148,38 @@ def fit_rim(
     variance_x, variance_y = np.inf, np.inf
     for _ in range(MAXIMUM_ITERATIONS if seen >= MINIMUM_INLIERS * RAYS else 0):
         _weigh(points, circle, offsets, agreement)
-        xx = yy = rr = 1e-9
-        xy = xr = yr = pull_x = pull_y = pull_r = total = squares = 0.0
-        for ray in range(RAYS):
-            if agreement[ray] > 0:
-                across, down, apart = offsets[ray]
-                weight = agreement[ray] * known[ray]
-                pull = weight * apart
-                xx, xy, yy = xx + weight * across**2, xy + weight * across * down, yy + weight * down**2
-                xr, yr, rr = xr + weight * across, yr + weight * down, rr + weight
-                pull_x, pull_y, pull_r = pull_x + pull * across, pull_y + pull * down, pull_r + pull
-                total, squares = total + agreement[ray], squares + pull * apart
+        xx, xy, yy, xr, yr, rr, pull_x, pull_y, pull_r, squares = _sums(offsets, agreement, known)
         if free == 2:
             xr, yr, rr, pull_r = 0.0, 0.0, 1.0, 0.0
-        ix, ixy, ixr = yy * rr - yr * yr, xr * yr - xy * rr, xy * yr - yy * xr  # inverse times determinant
+        ix, ixy, ixr = yy * rr - yr * yr, xr * yr - xy * rr, xy * yr - yy * xr  # inverse × determinant
         iy, iyr, ir = xx * rr - xr * xr, xy * xr - xx * yr, xx * yy - xy * xy
         determinant = xx * ix + xy * ixy + xr * ixr
         step_x = (ix * pull_x + ixy * pull_y + ixr * pull_r) / determinant
         step_y = (ixy * pull_x + iy * pull_y + iyr * pull_r) / determinant
         step_r = (ixr * pull_x + iyr * pull_y + ir * pull_r) / determinant
-        circle += np.array((step_x, step_y, step_r))
-        variance = squares / max(total - free, 1.0) / determinant
+        circle[0], circle[1], circle[2] = circle[0] + step_x, circle[1] + step_y, circle[2] + step_r
+        variance = squares / max(agreement.sum() - free, 1.0) / determinant
         variance_x, variance_y = ix * variance, iy * variance
         if not max(abs(step_x), abs(step_y), abs(step_r)) >= SETTLED_PX:
             break
     return variance_x, variance_y
+
+
+@compiled
+def _sums(offsets: FloatArray, agreement: FloatArray, known: FloatArray) -> tuple[float, ...]:
+    """Add up for least squares: slopes times slopes (x, y, radius) and offsets, and offsets squared."""
+    xx = yy = rr = 1e-9
+    xy = xr = yr = pull_x = pull_y = pull_r = squares = 0.0
+    for ray in range(RAYS):
+        if agreement[ray] > 0:
+            across, down, apart = offsets[ray]
+            weight = agreement[ray] * known[ray]
+            pull = weight * apart
+            xx, xy, yy = xx + weight * across**2, xy + weight * across * down, yy + weight * down**2
+            xr, yr, rr = xr + weight * across, yr + weight * down, rr + weight
+            pull_x, pull_y, pull_r = pull_x + pull * across, pull_y + pull * down, pull_r + pull
+            squares += pull * apart
+    return xx, xy, yy, xr, yr, rr, pull_x, pull_y, pull_r, squares
 
 
 @compiled
