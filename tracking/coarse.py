@@ -6,7 +6,7 @@ Most pictures show little that is new. Sixteen times fewer pixels tell where to 
 import cv2
 import numpy as np
 
-from tracking.kernel import compiled
+from tracking.kernel import compiled, part
 from tracking.planes import Image, Planes, Window, fewer
 
 COARSE = 4  # pixels from one that is looked at to the next
@@ -49,15 +49,10 @@ def _averaged(plane: Image) -> Image:
 
 def gain_between(image: Image, reference: Image) -> float:
     """How much brighter a picture is than another: flicker."""
-    return _middle_ratio(np.ascontiguousarray(image[::8, ::8]), np.ascontiguousarray(reference[::8, ::8]))
-
-
-@compiled
-def _middle_ratio(image: Image, reference: Image) -> float:
-    """Median of the ratios of levels, pixel by pixel."""
-    ratios = (image + np.float32(1)) / (reference + np.float32(1))
+    few = (slice(None, None, 8), slice(None, None, 8))
+    ratio = ((image[few] + np.float32(1)) / (reference[few] + np.float32(1))).ravel()
     least, most = GAIN_RANGE
-    return min(max(float(np.partition(ratios.ravel(), ratios.size // 2)[ratios.size // 2]), least), most)
+    return min(max(float(np.partition(ratio, ratio.size // 2)[ratio.size // 2]), least), most)
 
 
 def brightened(image: Image, gain: float) -> Image:
@@ -101,7 +96,7 @@ def _mark(coarse: Planes, reference: Planes, levels: Image, marks: Image, lastin
                 own[column] = lasting
 
 
-@compiled
+@part
 def _mark_coloured(coarse: Planes, reference: Planes, level: int, row: int, coloured: Image) -> None:
     """Mark where colour differs in a row; one pixel of colour is two of brightness."""
     blue, other_blue, red, other_red = coarse[1][row], reference[1][row], coarse[2][row], reference[2][row]
@@ -124,8 +119,11 @@ def largest_change(before: Image, after: Image) -> float:
             most = max(most, apart[column])
         for column in range(len(apart) if most > largest[0] else 0):
             if apart[column] > largest[0]:
-                largest[0] = apart[column]
-                largest.sort()
+                rank = 0
+                while rank + 1 < CHANGED_RANK and largest[rank + 1] < apart[column]:
+                    largest[rank] = largest[rank + 1]
+                    rank += 1
+                largest[rank] = apart[column]
     return float(largest[0])
 
 

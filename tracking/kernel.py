@@ -24,5 +24,9 @@ compiled: Callable[[Function], Function] = njit(**OPTIONS)
 
 What is kept is renewed when the function's own file changes, so what it calls is in the same file.
 """
-inlined: Callable[[Function], Function] = njit(forceinline=True, **OPTIONS)
+part: Callable[[Function], Function] = njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)
+"""The same for a function that only compiled ones call: without wrappers for Python it compiles sooner."""
+inlined: Callable[[Function], Function] = njit(
+    forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
+)
 """The same for a small function that is called so often that the call itself would cost most."""

@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled, inlined
+from tracking.kernel import compiled, inlined, part
 
 FloatArray = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
@@ -61,7 +61,7 @@ def compare(
             _tell(products, gram[ray], information[ray], pull[ray])
 
 
-@compiled
+@part
 def _tell(products: SingleArray, gram: SingleArray, information: FloatArray, pull: FloatArray) -> None:
     """Write what one ray tells: sums over colours, and over the slopes of outer and inner level's shapes."""
     kinds = len(pull)
@@ -84,7 +84,7 @@ def _product(one: SingleArray, other: SingleArray) -> np.float32:
     return total
 
 
-@compiled
+@part
 def _sample(
     image: Image, circle: FloatArray, offsets: FloatArray, direction: FloatArray, line: SingleArray
 ) -> bool:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled
+from tracking.kernel import compiled, part
 from tracking.planes import Image, Planes
 
 SingleArray = npt.NDArray[np.float32]
@@ -51,7 +51,7 @@ def _mixed(brightness: Image, blue: Image, red: Image) -> Image:
     return image
 
 
-@compiled
+@part
 def _spread(plane: Image, row: int, shape: tuple[int, int], spread: SingleArray) -> None:
     """Give one row of a plane of colour, about grey, as many pixels as the brightness has."""
     rows, columns = plane.shape

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy.signal import find_peaks
 
 from tracking.detect import Blob
-from tracking.kernel import compiled
+from tracking.kernel import compiled, part
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -120,7 +120,7 @@ def _cheapest(
     return total, came
 
 
-@compiled
+@part
 def _step_cost(before: FloatArray, after: FloatArray, radius: float, gap: int) -> float:
     """Cost of going from a candidate to a later one: sideways is dear, up and down is cheap."""
     across = (before[0] - after[0]) / (radius * gap)

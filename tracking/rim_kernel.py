@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled
+from tracking.kernel import compiled, part
 
 FloatArray = npt.NDArray[np.float64]
 SingleArray = npt.NDArray[np.float32]
@@ -59,7 +59,7 @@ def see_rim(image: Image, circle: FloatArray, reach: float, blur: float, points:
     return _upper_median(contrasts[:seen]) if seen else np.inf
 
 
-@compiled
+@part
 def _sample(image: Image, start: Pair, direction: Pair, line: SingleArray) -> None:
     """Interpolate levels (samples, colours) along a ray, at even steps."""
     bottom, right = image.shape[0] - 1, image.shape[1] - 1
@@ -76,7 +76,7 @@ def _sample(image: Image, start: Pair, direction: Pair, line: SingleArray) -> No
             line[k, colour] = upper + to_bottom * (lower - upper)
 
 
-@compiled
+@part
 def _square_apart(line: SingleArray, one: int, other: int) -> np.float32:
     """Square of the difference of two samples, whatever the colour, brighter or darker."""
     blue, green, red = (
@@ -87,7 +87,7 @@ def _square_apart(line: SingleArray, one: int, other: int) -> np.float32:
     return np.float32(blue * blue + green * green + red * red)
 
 
-@compiled
+@part
 def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> float:
     """Centroid of the steepest part of a ray, in steps; what is flat beside it is shading or texture.
 
@@ -112,7 +112,7 @@ def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> fl
     return moment / max(total, 1e-9) + 0.5
 
 
-@compiled
+@part
 def _upper_median(values: FloatArray) -> float:
     """Select the middle value, the upper one of an even number; the values change their order."""
     low, high, wanted = 0, len(values) - 1, len(values) // 2
@@ -165,7 +165,7 @@ def fit_rim(
     return variance_x, variance_y
 
 
-@compiled
+@part
 def _sums(offsets: FloatArray, agreement: FloatArray, known: FloatArray) -> tuple[float, ...]:
     """Add up for least squares: slopes times slopes (x, y, radius) and offsets, and offsets squared."""
     xx = yy = rr = 1e-9
@@ -182,7 +182,7 @@ def _sums(offsets: FloatArray, agreement: FloatArray, known: FloatArray) -> tupl
     return xx, xy, yy, xr, yr, rr, pull_x, pull_y, pull_r, squares
 
 
-@compiled
+@part
 def _weigh(points: FloatArray, circle: FloatArray, offsets: FloatArray, agreement: FloatArray) -> None:
     """Write each point's direction and distance off a circle, and a weight that falls to nothing."""
     sizes, seen = np.empty(RAYS), 0
