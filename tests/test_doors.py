@@ -16,7 +16,7 @@ SIBLINGS = {
     "experiments": {"impact", "tracking", "calibrate"},
 }
 GIANTS = {
-    "numba": ("impact/kernel.py",),
+    "numba": ("impact/kernel.py", "tracking/kernel.py"),
     "cv2": ("tracking/",),
     "av": ("tracking/decode.py", "tracking/encode.py"),
     "lmfit": ("calibrate/",),

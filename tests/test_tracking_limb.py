@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tracking.circle import Circle, locate_circle
-from tracking.kept import Keeper, relive
+from tracking.kept import Keeper, laid_over
 from tracking.limb import Limb, measure_limb, sharpen
 from tracking.planes import Image, Planes
 from tracking.render import Look, render_ball
@@ -71,7 +71,7 @@ def test_ball_that_passes_where_the_kept_picture_shows_one_is_shown_where_it_is(
     keeper = Keeper()
     for planes in shown:
         keeper.look(planes)
-    again = [planes[0].copy() for planes in relive(keeper.pictures, keeper.frames, range(len(shown)))]
+    again = [laid_over(keeper.pictures[kept.picture], kept)[0] for kept in keeper.frames]
     for (brightness, *_), seen in zip(shown, again, strict=True):
         assert np.abs(brightness.astype(int) - seen).max() <= 1
 

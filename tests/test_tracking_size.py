@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 import pytest
 
-from tracking.circle import RAYS
 from tracking.consensus import agreed_circles
 from tracking.encode import write_video
 from tracking.flight import Air, flight_of_ball
 from tracking.planes import Image
 from tracking.render import Camera, DropScene, frames, truth
+from tracking.rim_kernel import RAYS
 from tracking.scale import scale_from_ball, to_metres
 from tracking.track import track_balls
 from tracking.velocity import measure_impacts

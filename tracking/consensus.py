@@ -8,7 +8,8 @@ doi:10.1145/358669.358692), and the votes of all others counted.
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import RAYS, Guess
+from tracking.circle import Guess
+from tracking.rim_kernel import RAYS
 
 FloatArray = npt.NDArray[np.float64]
 

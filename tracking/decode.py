@@ -69,7 +69,10 @@ class Picture:
         if self.stretch != 1 or not planar:
             width = round(raw.width * self.stretch)
             raw = raw.reformat(width=width, format=raw.format.name if planar else OTHERWISE)
-        brightness, blue, red = (np.rot90(_array(plane), self.quarter_turns) for plane in raw.planes)
+        turns = self.quarter_turns
+        brightness, blue, red = (_array(plane) for plane in raw.planes)
+        if turns:
+            brightness, blue, red = (np.rot90(plane, turns) for plane in (brightness, blue, red))
         return brightness, blue, red
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from tracking.kept import COARSE, boxes, brightened, coarse_difference, coarsely, gain_between
+from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, mark_changes
+from tracking.kernel import compiled
 from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged
 from tracking.recording import Recording, View, held_still
 
@@ -22,7 +23,7 @@ BESIDE = 3  # coarse pixels around what a first look found
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Background:
-    """The scene without what moves: planes, a coarse look at them, and their noise, levels."""
+    """The scene without what moves: planes, a look at few of their pixels, and their noise, levels."""
 
     planes: Planes
     coarse: Planes
@@ -151,28 +152,40 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
     The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
     from its fainter shadow or reflection.
     """
-    changed, gain = view.changed, 1.0
-    if changed is None:
-        coarse = coarsely(view.planes)
-        gain = gain_between(coarse[0], background.coarse[0])
-        apart = coarse_difference(coarse, background.coarse, gain)
-        changed = boxes(above(apart, COARSE_SHARE * background.threshold), BESIDE, view.planes[0].shape)
-    return [blob for window in changed for blob in _blobs_within(view.planes, background, gain, window)]
+    windows, gain = view.changed, 1.0
+    if windows is None:
+        windows = ((slice(0, view.size[0]), slice(0, view.size[1])),)
+        gain = gain_between(coarsely(view.cut(windows[0]))[0], background.coarse[0])
+    return [blob for window in windows for blob in _blobs_within(view.cut(window), background, gain, window)]
 
 
 def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
-    """List what differs from the background in a window."""
-    apart = difference(cut(seen, window), cut(background.planes, window), gain)
-    marked = above(apart, background.threshold)
-    mask = np.asarray(cv2.morphologyEx(marked, cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
-    corner, shape = (window[1].start, window[0].start), seen[0].shape
+    """List what differs from the background in a window, where a look at few pixels shows something."""
+    (rows, columns), shape = window, background.planes[0].shape
+    coarse = coarsely(seen)
+    marks = np.zeros_like(coarse[0])
+    few = _coarsely(rows), _coarsely(columns)
+    mark_changes(coarse, cut(background.coarse, few), (gain, COARSE_SHARE * background.threshold), marks)
+    base = cut(background.planes, window)
+    blobs = []
+    for place in boxes(marks, BESIDE, seen[0].shape):
+        apart = difference(cut(seen, place), cut(base, place), gain)
+        corner = columns.start + place[1].start, rows.start + place[0].start
+        blobs += _blobs_in(apart, background.threshold, (corner, shape))
+    return blobs
+
+
+def _blobs_in(apart: Image, threshold: float, frame: tuple[tuple[int, int], tuple[int, ...]]) -> list[Blob]:
+    """List the patches of a difference, whose window lies at a corner (x, y) in a picture of some shape."""
+    corner, shape = frame
+    mask = np.asarray(cv2.morphologyEx(above(apart, threshold), cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
     blobs = []
     for place, area, hull in _outlines(mask):
         if area < MINIMUM_DIAMETER_PX**2 / 2:
             continue
         levels = apart[place] * mask[place]
         contrast = _high_level(levels)
-        blobs.append(_blob(place, (area, hull), contrast, (corner, shape)))
+        blobs.append(_blob(place, (area, hull), contrast, frame))
         core = above(levels, 0.5 * contrast)
         if cv2.countNonZero(core) < CUT_SHARE * area:
             within = corner[0] + place[1].start, corner[1] + place[0].start
@@ -194,11 +207,18 @@ def _outlines(mask: Image) -> list[tuple[Window, float, float]]:
     return found
 
 
+@compiled
 def _high_level(levels: Image) -> float:
     """Level that a tenth of the pixels above nothing exceed."""
-    lit = levels[levels > 0]
-    rank = int(0.9 * (len(lit) - 1))
-    return float(np.partition(lit, rank)[rank])
+    pixels = np.zeros(256, dtype=np.int64)
+    for row in range(len(levels)):
+        for column in range(levels.shape[1]):
+            pixels[levels[row, column]] += 1
+    rank, level = int(0.9 * (pixels[1:].sum() - 1)), 1
+    while level < 255 and rank >= pixels[level]:
+        rank -= pixels[level]
+        level += 1
+    return float(level)
 
 
 def _blob(

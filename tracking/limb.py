@@ -8,9 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import RAYS, Circle, Rim, fit_circles
+from tracking.circle import Circle, Rim, fit_circles
 from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Limb, Look, look
+from tracking.patch import Patch
 from tracking.planes import Image
+from tracking.rim_kernel import RAYS
 
 __all__ = ["Limb", "measure_limb", "sharpen"]
 
@@ -24,12 +26,12 @@ BLURS = (0.4, 3.0)
 SHADINGS = (0.0, 1.0)  # compression alone looks like more
 
 
-def measure_limb(images: Sequence[Image], circles: Sequence[Circle], blur: FloatArray) -> Limb:
+def measure_limb(images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray) -> Limb:
     """Measure blur and shading of a ball on some pictures, together with its place in each.
 
     Parameters
     ----------
-    images : sequence of (height, width, 3) arrays
+    images : sequence of (height, width, 3) arrays, or of patches
     circles : what was found in them
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
@@ -54,13 +56,13 @@ def measure_limb(images: Sequence[Image], circles: Sequence[Circle], blur: Float
 
 
 def sharpen(
-    images: Sequence[Image], circles: Sequence[Circle], blur: FloatArray, limb: Limb
+    images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray, limb: Limb
 ) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims of a ball again by its limb, from circles found before; and fit circles to them.
 
     Parameters
     ----------
-    images : sequence of (height, width, 3) arrays
+    images : sequence of (height, width, 3) arrays, or of patches
     circles : what was found in them, within a pixel or so
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
@@ -81,7 +83,7 @@ def sharpen(
 
 
 def _once(
-    images: Sequence[Image], circles: Sequence[Circle], blur: FloatArray, limb: Limb
+    images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray, limb: Limb
 ) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims about some circles, and fit circles to them."""
     places = np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)

@@ -17,28 +17,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from tracking.circle import RAYS
+from tracking.limb_kernel import compare
+from tracking.patch import Patch, as_patch
 from tracking.planes import Image
+from tracking.rim_kernel import RAYS
 
 FloatArray = npt.NDArray[np.float64]
 
 TWINS = 2  # rays side by side that make one of a rim's: they miss no pixel of a ball up to 60 px wide
-SAMPLES = 15  # on a ray
+SAMPLES = 16  # on a ray: as many as a processor multiplies at once
 REACH_PX = 2.5  # from the rim, and half the way during the exposure
 DEEPEST = 0.7  # radii
-TOGETHER = 64  # pictures at a time: more would only need more memory
 SMALL = 0.02  # difference for slopes
-LEAST_LEFT = 1.0
 SLOPES = ("shift", "blur", "shading")
-COLOURS = 3
 _SPREAD = (np.arange(TWINS) - (TWINS - 1) / 2) / TWINS
 ANGLES: FloatArray = ((np.arange(RAYS)[:, None] + _SPREAD) * (2 * np.pi / RAYS)).ravel()
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+_SLANTS, _SLANT = np.unique(np.abs(DIRECTIONS[:, 1]).round(12), return_inverse=True)
+"""How upright rays are, and which of that each is: four or more are alike."""
 _DEPTHS = np.linspace(-6.0, 60.0, 3301)
 _BELL = np.exp(-(np.linspace(-6.0, 6.0, 601) ** 2) / 2)
 _ROOTS = np.array(
@@ -72,20 +72,19 @@ class Look(NamedTuple):
         return np.asarray(1 / np.maximum(self.variance, np.median(self.variance, axis=1, keepdims=True)))
 
 
-def look(images: Sequence[Image], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1) -> Look:
+def look(
+    images: Sequence[Image | Patch], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1
+) -> Look:
     """Compare the levels along all rays with the model, linearized about the circles at `places`."""
     count = (len(images), len(ANGLES))
-    seen = Look(np.zeros((*count, kinds, kinds)), np.zeros((*count, kinds)), np.full(count, np.inf))
+    seen = Look(np.empty((*count, kinds, kinds)), np.empty((*count, kinds)), np.empty(count))
     radius = float(np.median(places[:, 2])) if len(places) else 1.0
     ways = np.round(blur)
-    for way in np.unique(ways):
-        model = _model(limb, radius, float(way), kinds)
-        members = np.flatnonzero(ways == way)
-        for first in range(0, len(members), TOGETHER):
-            some = members[first : first + TOGETHER]
-            levels = np.array([_levels(images[i], places[i], model.offsets) for i in some])
-            for whole, part in zip(seen, _compare(model, levels, kinds), strict=True):
-                whole[some] = part
+    models = {way: _model(limb, radius, way, kinds) for way in np.unique(ways).tolist()}
+    for image, place, way, *own in zip(images, places, ways.tolist(), *seen, strict=True):
+        model = models[way]
+        patch = as_patch(image)
+        compare(patch.image, (place - patch.corner, model.offsets, DIRECTIONS), model[1:], tuple(own))
     return seen
 
 
@@ -108,7 +107,7 @@ def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
     """Make the model of a ball of some radius that goes some way up or down during the exposure, px."""
     reach = min(REACH_PX + way / 2, DEEPEST * radius)
     offsets = np.linspace(-reach, reach, SAMPLES)
-    smeared = way * np.abs(DIRECTIONS[:, 1:]) / np.sqrt(12)
+    smeared = way * _SLANTS[:, None] / np.sqrt(12)
 
     def basis(shift: float = 0.0, blur: float = 0.0, shading: float = 0.0) -> FloatArray:
         width = np.hypot(limb.blur + blur, smeared)
@@ -120,13 +119,13 @@ def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
     )
     within, upper = np.linalg.qr(basis())
     left = slopes - (within @ np.swapaxes(within, 1, 2))[:, None] @ slopes
-    flat = np.moveaxis(left, 2, 3).reshape(len(ANGLES), -1, SAMPLES)
+    flat = np.moveaxis(left, 2, 3).reshape(len(_SLANTS), -1, SAMPLES)
     across = np.swapaxes(within, 1, 2)
     rows = np.concatenate((np.linalg.solve(upper, across), across, flat), axis=1).astype(np.float32)
     gram = (flat @ np.swapaxes(flat, 1, 2)).reshape(-1, kinds, 2, kinds, 2)
     gram = gram.transpose(0, 2, 4, 1, 3).reshape(-1, 4, kinds**2).astype(np.float32)
     light = (basis()[..., 1] - basis(shading=-limb.shading)[..., 1]).astype(np.float32)
-    return _Model(offsets=offsets, rows=rows, gram=gram, light=light)
+    return _Model(offsets=offsets, rows=rows[_SLANT], gram=gram[_SLANT], light=light[_SLANT])
 
 
 def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: float) -> FloatArray:
@@ -136,33 +135,3 @@ def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: floa
     bend = np.sqrt(1 - np.clip(-offsets, 0, radius) / (2 * radius))
     light = np.sqrt(2 * width / radius) * np.interp(depth, _DEPTHS, _ROOTS) * bend
     return np.stack((1 - ball, ball + shading * light), axis=-1)
-
-
-def _levels(image: Image, place: FloatArray, offsets: FloatArray) -> npt.NDArray[np.float32]:
-    """Levels (rays, samples, colours) along the rays of one circle; NaN on rays that leave the picture."""
-    distances = place[2] + offsets
-    x, y = ((place[axis] + DIRECTIONS[:, axis, None] * distances).astype(np.float32) for axis in (0, 1))
-    levels = cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
-    height, width = image.shape[:2]
-    levels[((x < 0) | (y < 0) | (x > width - 1) | (y > height - 1)).any(axis=1)] = np.nan
-    return levels
-
-
-def _compare(model: _Model, levels: npt.NDArray[np.float32], kinds: int) -> Look:
-    """Compare levels (n, rays, samples, colours) with the model."""
-    inside = np.isfinite(levels[:, :, 0, 0])
-    levels = np.where(inside[..., None, None], levels, np.float32(0))
-    inner = (model.rows[:, 1:2] @ levels)[:, :, 0]
-    facing = np.clip(inner / np.maximum(inner.mean(axis=1, keepdims=True), 1), 0, 1) ** 2
-    levels = levels + (inner * (1 - facing))[:, :, None] * model.light[..., None]
-    products = model.rows @ levels
-    ends, share = products[:, :, :2], products[:, :, 2:4]
-    along = products[:, :, 4:].reshape(*products.shape[:2], kinds, 2, COLOURS)
-    pairs = (ends @ np.swapaxes(ends, 2, 3)).reshape(*products.shape[:2], 1, 4)
-    left = np.einsum("nrsc,nrsc->nr", levels, levels) - np.einsum("nrsc,nrsc->nr", share, share)
-    variance = np.maximum(left, LEAST_LEFT) / (COLOURS * (SAMPLES - 2))
-    return Look(
-        information=(pairs @ model.gram).reshape(*products.shape[:2], kinds, kinds),
-        pull=(ends[:, :, None] * along).sum(axis=(3, 4)),
-        variance=np.where(inside, variance, np.inf),
-    )

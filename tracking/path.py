@@ -8,6 +8,7 @@ import numpy.typing as npt
 from scipy.signal import find_peaks
 
 from tracking.detect import Blob
+from tracking.kernel import compiled, part
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -78,23 +79,9 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
         Index into each frame's candidates, or MISSING.
     """
     table = _table([blob for blobs in frames for blob in blobs])
-    own = _misfit(table, radius)
-    total, came = np.empty(len(own)), np.full(len(own), MISSING)
     number = np.repeat(np.arange(len(frames)), [len(blobs) for blobs in frames])
     first = np.searchsorted(number, np.arange(len(frames) + 1))
-    for frame, (start, end) in enumerate(pairwise(first)):
-        alone = own[start:end] + MISSING_COST * frame
-        total[start:end] = alone
-        earliest = first[max(0, frame - LONGEST_GAP)]
-        if earliest == start or start == end:
-            continue
-        gap = frame - number[earliest:start, None]
-        step = _step_costs(table[:, earliest:start, None], table[:, None, start:end], radius, gap)
-        reach = total[earliest:start, None] + step + MISSING_COST * (gap - 1) + own[start:end]
-        best = reach.argmin(axis=0)
-        least = reach[best, np.arange(end - start)]
-        total[start:end] = np.minimum(least, alone)
-        came[start:end] = np.where(least < alone, earliest + best, MISSING)
+    total, came = _cheapest(table, _misfit(table, radius), first, float(radius))
     chosen = _walk_back(total + MISSING_COST * (len(frames) - 1 - number), came)
     places = [MISSING] * len(frames)
     for index in chosen:
@@ -119,14 +106,34 @@ def _misfit(table: FloatArray, radius: float) -> FloatArray:
     )
 
 
-def _step_costs(before: FloatArray, after: FloatArray, radius: float, gap: IntArray) -> FloatArray:
-    """Cost of going from each candidate to each later one: sideways is dear, up and down is cheap."""
+@compiled
+def _cheapest(
+    table: FloatArray, own: FloatArray, first: IntArray, radius: float
+) -> tuple[FloatArray, IntArray]:
+    """Cost of the cheapest path to each patch, and which patch is before it; `first` patch of each frame."""
+    total, came = np.empty(len(own)), np.full(len(own), MISSING)
+    for frame in range(len(first) - 1):
+        for here in range(first[frame], first[frame + 1]):
+            total[here] = own[here] + MISSING_COST * frame
+            for earlier in range(max(0, frame - LONGEST_GAP), frame):
+                skipped = MISSING_COST * (frame - earlier - 1)
+                for there in range(first[earlier], first[earlier + 1]):
+                    step = _step_cost(table[:, there], table[:, here], radius, frame - earlier)
+                    if total[there] + step + skipped + own[here] < total[here]:
+                        total[here], came[here] = total[there] + step + skipped + own[here], there
+    return total, came
+
+
+@part
+def _step_cost(before: FloatArray, after: FloatArray, radius: float, gap: int) -> float:
+    """Cost of going from a candidate to a later one: sideways is dear, up and down is cheap."""
     across = (before[0] - after[0]) / (radius * gap)
-    along = np.abs(before[1] - after[1]) / (radius * gap)
+    along = abs(before[1] - after[1]) / (radius * gap)
+    if along * gap > LONGEST_STEP * min(gap, 3):
+        return np.inf
     fade = np.log(before[5] / after[5])
-    still = STILL_COST * (across**2 + along**2 < STILL**2)
-    cost = across**2 + FALL_COST * along + LEAP_COST * along**2 + fade**2 + still
-    return np.asarray(np.where(along * gap > LONGEST_STEP * np.minimum(gap, 3), np.inf, cost))
+    still = STILL_COST if across**2 + along**2 < STILL**2 else 0.0
+    return float(across**2 + FALL_COST * along + LEAP_COST * along**2 + fade**2 + still)
 
 
 def _walk_back(total: FloatArray, came: IntArray) -> list[int]:

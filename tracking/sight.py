@@ -1,12 +1,11 @@
 """A ball's outline in many frames: where it is roughly → rims and circles, a batch of frames at a time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import MARGIN_PX, Circle, Guess, Rim, find_rims, fit_circles
+from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.detect import Blob
 from tracking.limb import Limb
 from tracking.planes import Image
@@ -146,34 +145,21 @@ def _expected_radius(seen: Sequence[Sighting]) -> float:
 
 def _sight(cuttings: Sequence[Cutting], guesses: Sequence[Guess], blur: FloatArray) -> list[Sighting | None]:
     """Fit twice, the second time from a good centre and in a narrow ring; None where no rim is seen."""
-    corners = np.array([(*cutting.corner, 0.0) for cutting in cuttings]).reshape(-1, 3)
-    local = np.array(guesses, dtype=np.float64).reshape(-1, 3) - corners
-    images, radius = [cutting.image for cutting in cuttings], local[:, 2]
-    coarse = find_rims(images, local, reach=WIDE * radius + MARGIN_PX + blur / 2, blur=blur)
-    first = fit_circles(coarse, local, free_radius=False)
-    centres = np.array([local[i] if c is None else (c.x, c.y, c.radius) for i, c in enumerate(first)])
-    rims = find_rims(images, centres, reach=MARGIN_PX + NARROW * radius + blur / 2, blur=blur)
+    places = np.array(guesses, dtype=np.float64).reshape(-1, 3)
+    patches, radius = [cutting.patch for cutting in cuttings], places[:, 2]
+    coarse = find_rims(patches, places, reach=WIDE * radius + MARGIN_PX + blur / 2, blur=blur)
+    first = fit_circles(coarse, places, free_radius=False)
+    centres = np.array([places[i] if c is None else (c.x, c.y, c.radius) for i, c in enumerate(first)])
+    rims = find_rims(patches, centres, reach=MARGIN_PX + NARROW * radius + blur / 2, blur=blur)
     circles = fit_circles(rims, centres, free_radius=True)
     return [
-        _as_sighting(cutting, rim, circle, float(own))
+        Sighting(frame=cutting.frame, time=cutting.time, rim=rim, circle=circle, blur=own)
         if before and circle and abs(circle.radius - size) <= RADIUS_TOLERANCE * size + own / 4
         else None
         for cutting, before, rim, circle, size, own in zip(
-            cuttings, first, rims, circles, radius, blur, strict=True
+            cuttings, first, rims, circles, radius.tolist(), blur.tolist(), strict=True
         )
     ]
-
-
-def _as_sighting(cutting: Cutting, rim: Rim, circle: Circle, blur: float) -> Sighting:
-    """Give what was found in a cutting its place in the picture."""
-    left, top = cutting.corner
-    return Sighting(
-        frame=cutting.frame,
-        time=cutting.time,
-        rim=replace(rim, points=rim.points + cutting.corner),
-        circle=replace(circle, x=circle.x + left, y=circle.y + top),
-        blur=blur,
-    )
 
 
 def _find_resting(image: Image, guess: Guess) -> Guess:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
-from tracking.planes import Image, colours, cut
+from tracking.patch import Patch, patch_of
 from tracking.recording import View
 
 
@@ -24,21 +24,19 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cutting:
-    """What surrounds a place in a frame; the upper left pixel of `image` is at `corner` (x, y)."""
+    """What surrounds a place in a frame."""
 
     frame: int
     time: float
-    image: Image
-    corner: tuple[int, int]
+    patch: Patch
 
 
 def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:
     """Copy what is at most so many pixels above, below or beside a place."""
     left, top = (max(0, int(value - half)) // 2 * 2 for value in place)
-    height, width = view.planes[0].shape
+    height, width = view.size
     window = (
         slice(top, min(int(place[1] + half) + 2, height)),
         slice(left, min(int(place[0] + half) + 2, width)),
     )
-    image = colours(cut(view.planes, window))
-    return Cutting(frame=view.index, time=view.time, image=image, corner=(left, top))
+    return Cutting(frame=view.index, time=view.time, patch=patch_of(view.cut(window), left, top))

@@ -52,7 +52,7 @@ def measure_radius(
     for view in revisit(recording, sharpest):
         ball = path[view.index]
         cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * guess)
-        found.append((cutting, [_within(cutting, ball, size * guess) for size in STARTING_SIZES]))
+        found.append((cutting, [(ball.x, ball.y, size * guess) for size in STARTING_SIZES]))
     circles = [_sharpest(fitted) for fitted in _settled(found, REACH)]
     if _doubt(circles) > DOUBTFUL:
         agreed = [
@@ -78,23 +78,16 @@ def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting
     largest = max((blob.width for blob in around), default=ball.width)
     cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * largest)
     starts = [
-        _within(cutting, blob, size * (blob.width + blob.height) / 4)
-        for blob in around
-        for size in AGREED_SIZES
+        (blob.x, blob.y, size * (blob.width + blob.height) / 4) for blob in around for size in AGREED_SIZES
     ]
     reach = np.array([REACH * radius + MARGIN_PX for *_, radius in starts])
-    rims = find_rims([cutting.image] * len(starts), starts, reach=reach)
+    rims = find_rims([cutting.patch] * len(starts), starts, reach=reach)
     agreed = [
         circle
         for rim, (*_, radius) in zip(rims, starts, strict=True)
         for circle in agreed_circles(rim.points, radius)
     ]
     return cutting, agreed
-
-
-def _within(cutting: Cutting, blob: Blob, radius: float) -> Guess:
-    """Guess a circle about a patch, in a cutting."""
-    return blob.x - cutting.corner[0], blob.y - cutting.corner[1], radius
 
 
 def _sharpest(circles: Sequence[Circle | None]) -> Circle | None:
@@ -115,14 +108,14 @@ def _doubt(circles: Sequence[Circle | None]) -> float:
 
 def _settled(starts: Sequence[tuple[Cutting, Sequence[Guess]]], share: float) -> list[list[Circle | None]]:
     """Fit circles, again and again from those just found, until the guesses no longer matter."""
-    images = [cutting.image for cutting, guesses in starts for _ in guesses]
+    patches = [cutting.patch for cutting, guesses in starts for _ in guesses]
     guesses = [guess for _, guesses in starts for guess in guesses]
-    found: list[Circle | None] = [None] * len(images)
-    going = list(range(len(images)))
+    found: list[Circle | None] = [None] * len(patches)
+    going = list(range(len(patches)))
     for _ in range(REFITS):
         reach = np.array([share * guesses[i][2] + MARGIN_PX for i in going])
         now = [guesses[i] for i in going]
-        rims = find_rims([images[i] for i in going], now, reach=reach)
+        rims = find_rims([patches[i] for i in going], now, reach=reach)
         for i, circle in zip(tuple(going), fit_circles(rims, now, free_radius=True), strict=True):
             before, found[i] = guesses[i][2], circle
             if circle is not None:

@@ -17,7 +17,7 @@ from tracking import stamps
 from tracking.cadence import even_times, find_genuine
 from tracking.decode import Picture, opened
 from tracking.errors import RecordingError
-from tracking.kept import Keeper, relive
+from tracking.kept import Keeper
 from tracking.planes import Planes
 from tracking.recording import Frame, Recording, View, held_still, moved_back
 
@@ -121,7 +121,7 @@ def _decoded(recording: Recording, wanted: Collection[int] | None) -> Iterator[t
 def _seen_again(recording: Recording, wanted: Collection[int] | None) -> Iterator[View]:
     """Yield views from the file."""
     for index, time, picture in _decoded(recording, wanted):
-        yield View(index=index, time=time, planes=picture.planes())
+        yield View(index=index, time=time, picture=picture.planes())
 
 
 def _remembered(recording: Recording, wanted: Collection[int] | None) -> Iterator[View]:
@@ -129,14 +129,20 @@ def _remembered(recording: Recording, wanted: Collection[int] | None) -> Iterato
     genuine = np.flatnonzero(recording.genuine).tolist()
     numbers = genuine if wanted is None else [number for number in genuine if number in wanted]
     one = len(recording.pictures) == 1
-    for number, seen in zip(numbers, relive(recording.pictures, recording.kept, numbers), strict=True):
-        changed = recording.kept[number].windows if one else None
-        yield View(index=number, time=float(recording.times[number]), planes=seen, changed=changed)
+    for number in numbers:
+        kept = recording.kept[number]
+        yield View(
+            index=number,
+            time=float(recording.times[number]),
+            picture=recording.pictures[kept.picture],
+            kept=kept,
+            changed=kept.windows if one else None,
+        )
 
 
 def _steady(view: View, drift: FloatArray) -> View:
     """Undo the motion of a camera that drifts."""
-    return replace(view, planes=held_still(view.planes, drift[view.index]), changed=None)
+    return replace(view, picture=held_still(view.planes, drift[view.index]), kept=None, changed=None)
 
 
 @dataclass(slots=True)

@@ -1,0 +1,73 @@
+"""What surrounds a ball: a part of a picture in colours, and where it lies."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.kernel import compiled, part
+from tracking.planes import Image, Planes
+
+SingleArray = npt.NDArray[np.float32]
+
+BLUE_SHARE, RED_SHARE = np.float32(1.773), np.float32(1.403)  # of a difference of colour, in that colour
+BLUE_IN_GREEN, RED_IN_GREEN = np.float32(0.344), np.float32(0.714)
+GREY, HALF, DARKEST, BRIGHTEST = np.array((128, 0.5, 0, 255), dtype=np.float32)
+
+
+class Patch(NamedTuple):
+    """(height, width, 3) BGR levels of a part of a picture; x, y and 0 of its upper left pixel, px."""
+
+    image: Image
+    corner: npt.NDArray[np.float64]
+
+
+def patch_of(seen: Planes, left: int, top: int) -> Patch:
+    """Make a patch of planes that were cut out at a place."""
+    brightness, blue, red = (np.ascontiguousarray(plane) for plane in seen)
+    return Patch(_mixed(brightness, blue, red), np.array((left, top, 0.0)))
+
+
+def as_patch(image: Image | Patch) -> Patch:
+    """Take a whole picture for a patch, too."""
+    return image if isinstance(image, Patch) else Patch(np.ascontiguousarray(image), np.zeros(3))
+
+
+@compiled
+def _mixed(brightness: Image, blue: Image, red: Image) -> Image:
+    """Lay colour over brightness; where there is less of it, it is interpolated."""
+    height, width = brightness.shape
+    image = np.empty((height, width, 3), dtype=np.uint8)
+    bluish, reddish = np.empty((2, 2 * width), dtype=np.float32)
+    for row in range(height):
+        _spread(blue, row, brightness.shape, bluish)
+        _spread(red, row, brightness.shape, reddish)
+        for column in range(width):
+            level, b, r = np.float32(brightness[row, column]) + HALF, bluish[column], reddish[column]
+            green = level - BLUE_IN_GREEN * b - RED_IN_GREEN * r
+            image[row, column, 0] = np.uint8(min(max(level + BLUE_SHARE * b, DARKEST), BRIGHTEST))
+            image[row, column, 1] = np.uint8(min(max(green, DARKEST), BRIGHTEST))
+            image[row, column, 2] = np.uint8(min(max(level + RED_SHARE * r, DARKEST), BRIGHTEST))
+    return image
+
+
+@part
+def _spread(plane: Image, row: int, shape: tuple[int, int], spread: SingleArray) -> None:
+    """Give one row of a plane of colour, about grey, as many pixels as the brightness has."""
+    rows, columns = plane.shape
+    near = far = row
+    if rows < shape[0]:
+        near = row // 2
+        far = min(max(near - 1 + 2 * (row % 2), 0), rows - 1)
+    most, least = np.float32(0.75), np.float32(0.25)  # a pixel lies nearer to one of colour than to the next
+    if columns == shape[1]:
+        for k in range(columns):
+            spread[k] = most * plane[near, k] + least * plane[far, k] - GREY
+        return
+    blended = np.empty(columns + 2, dtype=np.float32)
+    for k in range(columns):
+        blended[k + 1] = most * plane[near, k] + least * plane[far, k] - GREY
+    blended[0], blended[columns + 1] = blended[1], blended[columns]
+    for k in range(columns):
+        spread[2 * k] = most * blended[k + 1] + least * blended[k]
+        spread[2 * k + 1] = most * blended[k + 1] + least * blended[k + 2]
