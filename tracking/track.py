@@ -11,9 +11,10 @@ from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_backgrou
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
 from tracking.path import MISSING, best_path, first_turn, guess_radius
+from tracking.resting import sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
-from tracking.sight import sight_along, sight_resting
+from tracking.sight import sight_along
 from tracking.sighting import Sighting
 from tracking.size import measure_radius
 from tracking.video import Recording, revisit
@@ -21,6 +22,7 @@ from tracking.video import Recording, revisit
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
+TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.85  # of what scatters more than rims tell: compression errs as much alike at like height
@@ -108,7 +110,8 @@ def track_balls(
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
     if lower is not None:
         below = _place_below(list(path.values()), radius, lower)
-        tracks.append(_as_track("lower", sight_resting(recording, below), recording))
+        highest = _touching(tracks[0], tracks[0].radius + below[2], len(recording.times))
+        tracks.append(_as_track("lower", sight_resting(recording, below, highest), recording))
     return tracks
 
 
@@ -174,6 +177,11 @@ def _place_below(path: Sequence[Blob], radius: float, lower: float) -> Guess:
     depth = np.array([blob.y for blob in seen])
     turn = seen[first_turn(depth, radius)]
     return turn.x, turn.y + radius * (1 + lower), radius * lower
+
+
+def _touching(upper: Track, gap: float, frames: int) -> FloatArray:
+    """Give the least y, px, that a ball below can have in each frame: the balls touch there."""
+    return np.interp(np.arange(frames), upper.frame, upper.y) + TOUCHING * gap
 
 
 def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) -> Track:

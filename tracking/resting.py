@@ -1,0 +1,159 @@
+"""A ball that rests and is struck: frames → its rim in each, wherever it went.
+
+Before it is struck many frames are looked through at once; then one by one, each from where the ball was
+going. Where it is missed, or its rim is much less clear than before, it is looked for all about.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
+from tracking.limb import Limb
+from tracking.planes import Image
+from tracking.recording import Recording
+from tracking.sharp import limb_of, sharpened
+from tracking.sight import MEMORY, WIDE, half_width, sight_once
+from tracking.sighting import Cutting, Sighting, cut_out
+from tracking.video import revisit
+
+FloatArray = npt.NDArray[np.float64]
+
+MOVING_PX = 0.3  # a frame: what moves less rests
+SURPRISE_PX = 1.5  # a ball this far from where it was expected is expected anew
+LONGEST_STRIDE = 32  # frames looked through at once
+DOUBTFUL = 2.0  # times the usual scatter of a rim: it may not be the ball's
+DOUBTFUL_PX = 0.06  # ... and at least this
+ABOUT = np.linspace(-1.25, 1.0, 10)  # radii up and down, in which a struck ball is looked for
+SINKING = 0.1  # radii: no ball goes deeper into the plate; what is seen there is its mirror image
+
+
+@dataclass(slots=True, kw_only=True)
+class _Watch:
+    """A ball that is watched: where it is expected (px), what was seen of it, and the frames that wait.
+
+    `vague` is how far its rims scattered when they were first seen, px.
+    `highest` is the least y, px, that it can have in each frame: there it touches the ball above it.
+    """
+
+    guess: Guess
+    highest: FloatArray
+    limb: Limb = field(default_factory=Limb)
+    seen: list[Sighting] = field(default_factory=list)
+    waiting: list[Cutting] = field(default_factory=list)
+    vague: list[float] = field(default_factory=list)
+    stride: int = 1
+
+    def expected(self, frame: int) -> Guess:
+        """Expect a ball that moves to go on as it did from the frame before the last."""
+        if len(self.seen) < 2 or self.seen[-1].frame - self.seen[-2].frame > 1:
+            return self.guess
+        before, last = self.seen[-2].circle, self.seen[-1].circle
+        step = np.array([last.x - before.x, last.y - before.y])
+        if np.hypot(*step) < MOVING_PX:
+            return self.guess
+        x, y = (last.x, last.y) + step * (frame - self.seen[-1].frame)
+        return float(x), float(y), self.guess[2]
+
+    def take(self, sighting: Sighting) -> None:
+        """Believe a sighting."""
+        self.seen.append(sighting)
+        radius = np.median([each.circle.radius for each in self.seen[-MEMORY:]])
+        self.guess = (sighting.circle.x, sighting.circle.y, float(radius))
+
+    def is_doubtful(self, sighting: Sighting | None) -> bool:
+        """Tell whether the ball was missed, or is where it cannot be, or its rim is much less clear."""
+        if sighting is None or not self.is_possible(sighting):
+            return True
+        usual = float(np.median(self.vague[-MEMORY:])) if self.vague else np.inf
+        return _vagueness(sighting) > max(DOUBTFUL * usual, DOUBTFUL_PX)
+
+    def is_possible(self, sighting: Sighting) -> bool:
+        """Tell whether the ball can be there: not within the plate, nor within the ball above."""
+        deepest = self.seen[0].circle.y + SINKING * self.guess[2] if self.seen else np.inf
+        return bool(self.highest[sighting.frame] <= sighting.circle.y <= deepest)
+
+
+def sight_resting(recording: Recording, guess: Guess, highest: FloatArray) -> list[Sighting]:
+    """See a ball that rests first and may be struck later.
+
+    Parameters
+    ----------
+    recording : Recording
+    guess : x, y and radius, px; its height may be a radius off
+    highest : the least y, px, that its centre can have in each frame of the file
+    """
+    watch = _Watch(guess=guess, highest=highest)
+    half = 2 * guess[2] + half_width(guess[2], 0.0)
+    for view in revisit(recording):
+        if not watch.seen and not watch.waiting:
+            watch.guess = _find_resting(view.frame().image, watch.guess)
+            first = [cut_out(view, watch.guess[:2], half)]
+            found = sight_once(first, [watch.guess], np.zeros(1))
+            watch.limb = limb_of(first, [sighting for sighting in found if sighting is not None])
+        watch.waiting.append(cut_out(view, watch.guess[:2], half))
+        if len(watch.waiting) >= watch.stride:
+            _advance(watch)
+    while watch.waiting:
+        _advance(watch)
+    return watch.seen
+
+
+def _advance(watch: _Watch) -> None:
+    """See the ball in some of the frames that wait, up to the first in which it is not where expected."""
+    batch = watch.waiting[: watch.stride]
+    places = [watch.expected(cutting.frame) for cutting in batch]
+    first = sight_once(batch, places, np.zeros(len(batch)))
+    doubtful = next((i for i, sighting in enumerate(first) if watch.is_doubtful(sighting)), len(batch))
+    if doubtful < len(batch):
+        del first[doubtful + 1 :], batch[doubtful + 1 :]
+        first[doubtful] = _look_about(watch, batch[doubtful], places[doubtful])
+    surprised = _take_as_expected(watch, batch, places, first)
+    del watch.waiting[: surprised or len(batch)]
+    alone = surprised or doubtful < len(first)
+    watch.stride = 1 if alone else min(2 * watch.stride, LONGEST_STRIDE)
+
+
+def _take_as_expected(
+    watch: _Watch, batch: Sequence[Cutting], places: Sequence[Guess], first: Sequence[Sighting | None]
+) -> int:
+    """Take sightings up to the first that surprises; give how many frames that makes, 0 if none does."""
+    rough = {sighting.frame: sighting for sighting in first if sighting is not None}
+    found = {sighting.frame: sighting for sighting in sharpened(batch, list(rough.values()), watch.limb)}
+    for count, (place, cutting) in enumerate(zip(places, batch, strict=False), start=1):
+        sighting = found.get(cutting.frame)
+        if sighting is None:
+            continue
+        watch.take(sighting)
+        watch.vague.append(_vagueness(rough[cutting.frame]))
+        if np.hypot(watch.guess[0] - place[0], watch.guess[1] - place[1]) > SURPRISE_PX:
+            return count
+    return 0
+
+
+def _look_about(watch: _Watch, cutting: Cutting, place: Guess) -> Sighting | None:
+    """Look for a struck ball above and below where it is expected, and take the clearest rim."""
+    x, y, radius = place
+    guesses = [place, *((x, y + shift, radius) for shift in ABOUT * radius)]
+    found = sight_once([cutting] * len(guesses), guesses, np.zeros(len(guesses)))
+    possible = (sighting for sighting in found if sighting is not None and watch.is_possible(sighting))
+    return min(possible, key=_vagueness, default=None)
+
+
+def _vagueness(sighting: Sighting) -> float:
+    """How far the points of a rim scatter, px; more if many lie off it."""
+    return sighting.circle.y_sd / sighting.circle.inliers
+
+
+def _find_resting(image: Image, guess: Guess) -> Guess:
+    """Find the resting ball up to a radius above or below the guess: where the best rim is."""
+    x, y, radius = guess
+    guesses: list[Guess] = [(x, y + shift, radius) for shift in np.linspace(-1, 1, 9) * radius]
+    for reach in (WIDE * radius + MARGIN_PX, MARGIN_PX):
+        rims = find_rims([image] * len(guesses), guesses, reach=reach)
+        circles = [c for c in fit_circles(rims, guesses, free_radius=False) if c is not None]
+        guesses = [(c.x, c.y, radius) for c in circles]
+    best = min(circles, key=lambda circle: circle.y_sd / circle.inliers, default=None)
+    return guess if best is None else (best.x, best.y, radius)
