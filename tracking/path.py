@@ -19,7 +19,11 @@ SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at
 FILL_SPREAD = 0.15
 CRESCENT_PX = 20.0  # the bay of a narrower patch may be noise
 BAY_COST = 2.0  # a ball lit from one side may be seen as a crescent, where it is as bright as the wall
+GHOST_COST = 8.0  # where a ball was that has left
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
+COLOUR_COST = 6.0  # at most: a ball keeps its colour, but may have a pattern
+COLOUR_SPREAD = 15.0  # levels
+BRIGHTNESS_SPREAD = 60.0  # levels: a ball that turns or falls into the shade changes more
 STILL_COST = 0.5  # a frame; what rests is rather a ball that waits, or its ghost in the background
 STILL = 0.02  # radii a frame
 FALL_COST = 0.1  # a radius up or down in a frame
@@ -90,20 +94,22 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
 
 
 def _table(blobs: Sequence[Blob]) -> FloatArray:
-    """Rows of place, size, fill, contrast, border, fill with bays: (8, n) for n patches."""
-    rows = [(b.x, b.y, b.width, b.height, b.fill, b.contrast, b.at_border, b.spanned) for b in blobs]
-    return np.array(rows, dtype=np.float64).reshape(-1, 8).T
+    """Rows of place, size, fill, contrast, border, fill with bays, ghost, colour: (12, n) for n patches."""
+    rows = [
+        (b.x, b.y, b.width, b.height, b.fill, b.contrast, b.at_border, b.spanned, b.ghost, *b.colour)
+        for b in blobs
+    ]
+    return np.array(rows, dtype=np.float64).reshape(-1, 12).T
 
 
 def _misfit(table: FloatArray, radius: float) -> FloatArray:
     """Cost of taking each patch for the ball: wrong width, not round, smeared."""
-    _, _, width, height, fill, _, at_border, spanned = table
+    _, _, width, height, fill, _, at_border, spanned, ghost, *_ = table
     size = np.log(width / (2 * radius)) / SIZE_SPREAD
     roundness, as_crescent = ((np.log(share) / FILL_SPREAD) ** 2 for share in (fill, spanned))
     stretch = np.maximum(0.0, np.abs(np.log(height / width)) - 0.25)
-    return np.asarray(
-        size**2 + np.minimum(roundness, as_crescent + BAY_COST) + 2 * stretch + BORDER_COST * at_border
-    )
+    shape = np.minimum(roundness, as_crescent + BAY_COST) + 2 * stretch
+    return np.asarray(size**2 + shape + BORDER_COST * at_border + GHOST_COST * ghost)
 
 
 @compiled
@@ -133,7 +139,9 @@ def _step_cost(before: FloatArray, after: FloatArray, radius: float, gap: int) -
         return np.inf
     fade = np.log(before[5] / after[5])
     still = STILL_COST if across**2 + along**2 < STILL**2 else 0.0
-    return float(across**2 + FALL_COST * along + LEAP_COST * along**2 + fade**2 + still)
+    hue = ((before[10] - after[10]) ** 2 + (before[11] - after[11]) ** 2) / COLOUR_SPREAD**2
+    colour = min(hue + ((before[9] - after[9]) / BRIGHTNESS_SPREAD) ** 2, COLOUR_COST)
+    return float(colour + across**2 + FALL_COST * along + LEAP_COST * along**2 + fade**2 + still)
 
 
 def _walk_back(total: FloatArray, came: IntArray) -> list[int]:
