@@ -41,7 +41,8 @@ class Blob:
 
     `x`, `y` is the middle of its bounding box: a ball's shaded side may be as bright as the wall behind it
     and leave a bay, which would draw a centroid away. `fill` is its area, holes filled, over that of the
-    ellipse in its bounding box: 1 for a ball, sharp or smeared by motion.
+    ellipse in its bounding box: 1 for a ball, sharp or smeared by motion; `spanned` the same with bays filled
+    as well, `hull` being the area of its convex hull.
     """
 
     x: float
@@ -49,6 +50,7 @@ class Blob:
     width: float
     height: float
     area: float
+    hull: float
     contrast: float
     at_border: bool
 
@@ -61,6 +63,11 @@ class Blob:
     def fill(self) -> float:
         """Area over the area of the ellipse that fits the bounding box."""
         return self.area / (np.pi / 4 * self.width * self.height)
+
+    @property
+    def spanned(self) -> float:
+        """Area of the convex hull over the area of that ellipse."""
+        return self.hull / (np.pi / 4 * self.width * self.height)
 
 
 def make_background(recording: Recording) -> Background:
@@ -173,28 +180,30 @@ def _blobs_in(apart: Image, threshold: float, frame: tuple[tuple[int, int], tupl
     corner, shape = frame
     mask = np.asarray(cv2.morphologyEx(above(apart, threshold), cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
     blobs = []
-    for place, area in _outlines(mask):
+    for place, area, hull in _outlines(mask):
         if area < MINIMUM_DIAMETER_PX**2 / 2:
             continue
         levels = apart[place] * mask[place]
         contrast = _high_level(levels)
-        blobs.append(_blob(place, area, contrast, frame))
+        blobs.append(_blob(place, (area, hull), contrast, frame))
         core = above(levels, 0.5 * contrast)
         if cv2.countNonZero(core) < CUT_SHARE * area:
             within = corner[0] + place[1].start, corner[1] + place[0].start
-            blobs += [_blob(*piece, contrast, (within, shape)) for piece in _outlines(core)]
+            blobs += [_blob(piece, areas, contrast, (within, shape)) for piece, *areas in _outlines(core)]
     return blobs
 
 
-def _outlines(mask: Image) -> list[tuple[Window, float]]:
-    """Bounding box and area, holes filled, of each connected patch that could be a ball."""
+def _outlines(mask: Image) -> list[tuple[Window, float, float]]:
+    """Bounding box, area with holes filled and with bays filled, of each patch that could be a ball."""
     outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     found = []
     for outline in outlines:
         left, top, width, height = cv2.boundingRect(outline)
         if min(width, height) >= MINIMUM_DIAMETER_PX:
             area = cv2.contourArea(outline) + len(outline) / 2 + 1  # Pick's theorem
-            found.append(((slice(top, top + height), slice(left, left + width)), area))
+            hull = cv2.convexHull(outline)
+            spanned = cv2.contourArea(hull) + cv2.arcLength(hull, closed=True) / 2 + 1
+            found.append(((slice(top, top + height), slice(left, left + width)), area, spanned))
     return found
 
 
@@ -213,7 +222,7 @@ def _high_level(levels: Image) -> float:
 
 
 def _blob(
-    place: Window, area: float, contrast: float, frame: tuple[tuple[int, int], tuple[int, ...]]
+    place: Window, areas: Sequence[float], contrast: float, frame: tuple[tuple[int, int], tuple[int, ...]]
 ) -> Blob:
     """Describe a patch; its window lies at a corner (x, y) in a picture of some shape."""
     corner, shape = frame
@@ -225,7 +234,8 @@ def _blob(
         y=top + (height - 1) / 2,
         width=float(width),
         height=float(height),
-        area=area,
+        area=areas[0],
+        hull=areas[1],
         contrast=contrast,
         at_border=left <= 0 or top <= 0 or left + width >= shape[1] or top + height >= shape[0],
     )

@@ -17,6 +17,8 @@ MISSING = -1
 MISSING_COST = 6.0
 SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at half contrast)
 FILL_SPREAD = 0.15
+CRESCENT_PX = 20.0  # the bay of a narrower patch may be noise
+BAY_COST = 2.0  # a ball lit from one side may be seen as a crescent, where it is as bright as the wall
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole
 STILL_COST = 0.5  # a frame; what rests is rather a ball that waits, or its ghost in the background
 STILL = 0.02  # radii a frame
@@ -88,18 +90,20 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
 
 
 def _table(blobs: Sequence[Blob]) -> FloatArray:
-    """Rows of place, size, fill, contrast, border: (7, n) for n patches."""
-    rows = [(b.x, b.y, b.width, b.height, b.fill, b.contrast, b.at_border) for b in blobs]
-    return np.array(rows, dtype=np.float64).reshape(-1, 7).T
+    """Rows of place, size, fill, contrast, border, fill with bays: (8, n) for n patches."""
+    rows = [(b.x, b.y, b.width, b.height, b.fill, b.contrast, b.at_border, b.spanned) for b in blobs]
+    return np.array(rows, dtype=np.float64).reshape(-1, 8).T
 
 
 def _misfit(table: FloatArray, radius: float) -> FloatArray:
     """Cost of taking each patch for the ball: wrong width, not round, smeared."""
-    _, _, width, height, fill, _, at_border = table
+    _, _, width, height, fill, _, at_border, spanned = table
     size = np.log(width / (2 * radius)) / SIZE_SPREAD
-    roundness = np.log(fill) / FILL_SPREAD
+    roundness, as_crescent = ((np.log(share) / FILL_SPREAD) ** 2 for share in (fill, spanned))
     stretch = np.maximum(0.0, np.abs(np.log(height / width)) - 0.25)
-    return np.asarray(size**2 + roundness**2 + 2 * stretch + BORDER_COST * at_border)
+    return np.asarray(
+        size**2 + np.minimum(roundness, as_crescent + BAY_COST) + 2 * stretch + BORDER_COST * at_border
+    )
 
 
 @compiled

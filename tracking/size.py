@@ -1,34 +1,44 @@
 """How large a ball of unknown size is in the picture."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
+from tracking.consensus import agreed_circles
 from tracking.detect import Blob
-from tracking.patch import Patch
-from tracking.recording import Recording
-from tracking.sighting import cut_out
+from tracking.recording import Recording, View
+from tracking.sighting import Cutting, cut_out
 from tracking.video import revisit
 
 RADIUS_FRAMES = 9  # pictures on which the radius is measured
 STARTING_SIZES = (1.0, 1.2, 1.45, 1.75)
 """Times the width at half contrast, which misses the dark side of a ball."""
+AGREED_SIZES = (1.0, 1.3, 1.7)
+"""Times the mean half width of a patch that a ball may be part of."""
 HALF_WIDTH = 3.0  # of what is looked at, times the first guess
 REFITS = 5
 SETTLED_PX = 0.01
 REACH = 0.2  # radii
+NARROW = 0.05  # radii: around a circle that many points agree on
+SMALLEST_PX = 10.0  # narrower patches have too few pixels to tell circles apart
+DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a ball's own scatter less
 
 
-def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float) -> float:
+def measure_radius(
+    recording: Recording, candidates: Mapping[int, Sequence[Blob]], path: Mapping[int, Blob], guess: float
+) -> float:
     """Measure a ball's radius on some of the pictures in which it is least smeared by its motion.
 
     Each is fitted from several sizes and the sharpest outline believed: shading has softer edges, further in.
+    Where even that is doubtful, as on a shaded ball before a wall of the same grey, circles are sought about
+    all patches that the ball may be part of: it may be its highlight that was followed.
 
     Parameters
     ----------
     recording : Recording
-    path : the patch that is the ball, by the number of the frame
+    candidates : all patches that differ from the background, by the number of the frame
+    path : the one that is the ball, or part of it
     guess : float
         Radius in px as the patches tell it; cut at half contrast they are too small.
 
@@ -37,36 +47,80 @@ def measure_radius(recording: Recording, path: Mapping[int, Blob], guess: float)
     float
         Radius, px; the guess if no outline is found.
     """
-    sharpest = sorted(path, key=lambda number: path[number].blur)[:RADIUS_FRAMES]
-    cuttings = [
-        cut_out(view, (path[view.index].x, path[view.index].y), HALF_WIDTH * guess)
-        for view in revisit(recording, set(sharpest))
-    ]
-    patches = [cutting.patch for cutting in cuttings for _ in STARTING_SIZES]
-    circles = _settled(
-        patches,
-        [(path[c.frame].x, path[c.frame].y, size * guess) for c in cuttings for size in STARTING_SIZES],
-    )
-    radii = []
-    for first in range(0, len(circles), len(STARTING_SIZES)):
-        found = [circle for circle in circles[first : first + len(STARTING_SIZES)] if circle is not None]
-        if found:
-            radii.append(min(found, key=lambda circle: circle.y_sd / circle.inliers).radius)
+    sharpest = set(sorted(path, key=lambda number: path[number].blur)[:RADIUS_FRAMES])
+    found = []
+    for view in revisit(recording, sharpest):
+        ball = path[view.index]
+        cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * guess)
+        found.append((cutting, [(ball.x, ball.y, size * guess) for size in STARTING_SIZES]))
+    circles = [_sharpest(fitted) for fitted in _settled(found, REACH)]
+    if _doubt(circles) > DOUBTFUL:
+        agreed = [
+            _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, sharpest)
+        ]
+        circles = [
+            min((first, *others), key=_scatter)
+            for first, others in zip(circles, _settled(agreed, NARROW), strict=True)
+        ]
+    radii = [circle.radius for circle in circles if circle is not None]
     return float(np.median(radii)) if radii else guess
 
 
-def _settled(patches: list[Patch], guesses: list[Guess]) -> list[Circle | None]:
-    """Fit again and again from the circles just found, until the guesses no longer matter."""
+def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting, list[Guess]]:
+    """Look for circles about all patches that a ball may be part of."""
+    around = [
+        blob
+        for blob in candidates
+        if 2 * abs(blob.x - ball.x) < blob.width
+        and 2 * abs(blob.y - ball.y) < blob.height
+        and blob.width > SMALLEST_PX
+    ]
+    largest = max((blob.width for blob in around), default=ball.width)
+    cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * largest)
+    starts = [
+        (blob.x, blob.y, size * (blob.width + blob.height) / 4) for blob in around for size in AGREED_SIZES
+    ]
+    reach = np.array([REACH * radius + MARGIN_PX for *_, radius in starts])
+    rims = find_rims([cutting.patch] * len(starts), starts, reach=reach)
+    agreed = [
+        circle
+        for rim, (*_, radius) in zip(rims, starts, strict=True)
+        for circle in agreed_circles(rim.points, radius)
+    ]
+    return cutting, agreed
+
+
+def _sharpest(circles: Sequence[Circle | None]) -> Circle | None:
+    """Choose the circle that is known best."""
+    found = [circle for circle in circles if circle is not None]
+    return min(found, key=lambda circle: circle.y_sd / circle.inliers, default=None)
+
+
+def _scatter(circle: Circle | None) -> float:
+    """How far the points of an outline scatter, in radii; more if many lie off it."""
+    return np.inf if circle is None else circle.y_sd / circle.inliers / circle.radius
+
+
+def _doubt(circles: Sequence[Circle | None]) -> float:
+    """How much the points of most outlines scatter."""
+    return float(np.median([_scatter(circle) for circle in circles]))
+
+
+def _settled(starts: Sequence[tuple[Cutting, Sequence[Guess]]], share: float) -> list[list[Circle | None]]:
+    """Fit circles, again and again from those just found, until the guesses no longer matter."""
+    patches = [cutting.patch for cutting, guesses in starts for _ in guesses]
+    guesses = [guess for _, guesses in starts for guess in guesses]
     found: list[Circle | None] = [None] * len(patches)
     going = list(range(len(patches)))
     for _ in range(REFITS):
-        reach = np.array([REACH * guesses[i][2] + MARGIN_PX for i in going])
-        starts = [guesses[i] for i in going]
-        rims = find_rims([patches[i] for i in going], starts, reach=reach)
-        for i, circle in zip(tuple(going), fit_circles(rims, starts, free_radius=True), strict=True):
+        reach = np.array([share * guesses[i][2] + MARGIN_PX for i in going])
+        now = [guesses[i] for i in going]
+        rims = find_rims([patches[i] for i in going], now, reach=reach)
+        for i, circle in zip(tuple(going), fit_circles(rims, now, free_radius=True), strict=True):
             before, found[i] = guesses[i][2], circle
             if circle is not None:
                 guesses[i] = (circle.x, circle.y, circle.radius)
             if circle is None or abs(circle.radius - before) < SETTLED_PX:
                 going.remove(i)
-    return found
+    fitted = iter(found)
+    return [[next(fitted) for _ in guesses] for _, guesses in starts]

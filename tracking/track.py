@@ -102,7 +102,7 @@ def track_balls(
     candidates = _candidates(recording)
     path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
-        radius = measure_radius(recording, path, rough)
+        radius = measure_radius(recording, candidates, path, rough)
         path, _ = _find_ball(recording, candidates, radius)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]

@@ -23,6 +23,7 @@ from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
+TREMBLING = 0.25  # of the approach speed: a later bounce that is known no better is none
 GAP_SHARE_SD = 0.01  # how well the outlines tell the distance of two balls that touch
 
 VELOCITIES = [P.APPROACH, P.REBOUND, P.LOWER_REBOUND]
@@ -107,13 +108,15 @@ def measure_impacts(track: Track, flight: Flight, budget: Budget = NOTHING_SHARE
     Returns
     -------
     list of Impact
-        In order of time; empty if the ball never bounces.
+        In order of time; empty if the ball never bounces. After the first, those that tell nothing are left
+        out: at last a ball trembles and rolls.
     """
     found = (
         _measure(track, bounce, Meeting(sides=upper_sides(track, bounce, flight)), budget)
         for bounce in find_bounces(track)
     )
-    return [impact for impact in found if impact is not None]
+    impacts = [impact for impact in found if impact is not None]
+    return impacts[:1] + [impact for impact in impacts[1:] if _is_telling(impact)]
 
 
 def measure_two_ball_impact(
@@ -225,6 +228,11 @@ def _free(meeting: Meeting) -> list[P]:
 def _known(velocities: FloatArray, free: list[P]) -> FloatArray:
     """Leave the velocity of a ball out that is not fitted."""
     return np.where(np.isin(VELOCITIES, free), velocities, np.nan)
+
+
+def _is_telling(impact: Impact) -> bool:
+    """Tell whether the approach is known at all; if not, the ball trembles or rolls rather than bounces."""
+    return bool(impact.sd[0] <= TREMBLING * abs(impact.velocities[0]))
 
 
 def _too_few(sides: Sequence[Side]) -> bool:
