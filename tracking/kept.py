@@ -12,7 +12,7 @@ import numpy as np
 from tracking.coarse import boxes, brightened, coarsely, gain_between, largest_change, mark_changes
 from tracking.planes import Image, Planes, Window, copied, cut
 
-MOST_BYTES = 200_000_000
+MOST_BYTES = 120_000_000  # all of the program then takes less than 500 MB, up to 1080p
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
 LINGERING = 16  # frames for which a place that changed is kept: a ball may pass where the picture shows one

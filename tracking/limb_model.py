@@ -25,6 +25,7 @@ from tracking.limb_kernel import compare
 from tracking.patch import Patch, as_patch
 from tracking.planes import Image
 from tracking.rim_kernel import RAYS
+from tracking.strands import side_by_side
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -81,10 +82,13 @@ def look(
     radius = float(np.median(places[:, 2])) if len(places) else 1.0
     ways = np.round(blur)
     models = {way: _model(limb, radius, way, kinds) for way in np.unique(ways).tolist()}
-    for image, place, way, *own in zip(images, places, ways.tolist(), *seen, strict=True):
-        model = models[way]
-        patch = as_patch(image)
-        compare(patch.image, (place - patch.corner, model.offsets, DIRECTIONS), model[1:], tuple(own))
+
+    def see(k: int) -> None:
+        model, patch = models[float(ways[k])], as_patch(images[k])
+        rays = places[k] - patch.corner, model.offsets, DIRECTIONS
+        compare(patch.image, rays, model[1:], (seen.information[k], seen.pull[k], seen.variance[k]))
+
+    side_by_side(see, len(images))
     return seen
 
 
