@@ -2,24 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import cv2
 import numpy as np
 
+from tracking.blob import Blob, Whole, blobs_in
 from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, mark_changes
-from tracking.kernel import compiled
-from tracking.planes import Image, Planes, Window, above, copied, cut, enlarged, fewer
+from tracking.planes import Image, Planes, Window, copied, cut, enlarged
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
 MINIMUM_DIFFERENCE = 10.0  # grey levels
-MINIMUM_DIAMETER_PX = 5
-CUT_SHARE = 0.9  # a cut that leaves more than this of a patch tells nothing new
-CLOSING = np.ones((5, 5), dtype=np.uint8)
 COLOUR_WEIGHT = 1.5  # a difference of colour spans fewer levels than one of brightness
-GHOSTLY = 0.5  # of how much the background stands out
-BESIDE_SHARE = 4  # of a patch's width, from its edge to what is beside it
 COARSE_SHARE = 0.3  # of the threshold that the smallest object leaves in what is looked at first
 BESIDE = 3  # coarse pixels around what a first look found
 
@@ -36,45 +30,6 @@ class Background:
     def threshold(self) -> float:
         """Difference from which something is there, grey levels."""
         return max(MINIMUM_DIFFERENCE, NOISE_FACTOR * self.noise)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Blob:
-    """A connected patch that differs from the background (pixels, grey levels).
-
-    `x`, `y` is the middle of its bounding box: a ball's shaded side may be as bright as the wall behind it
-    and leave a bay, which would draw a centroid away. `fill` is its area, holes filled, over that of the
-    ellipse in its bounding box: 1 for a ball, sharp or smeared by motion; `spanned` the same with bays filled
-    as well, `hull` being the area of its convex hull. A `ghost` is where something was that rests in the
-    background: not the patch but the background stands out from what is beside it. `colour` is that of its
-    middle: brightness and two differences.
-    """
-
-    x: float
-    y: float
-    width: float
-    height: float
-    area: float
-    hull: float
-    contrast: float
-    ghost: bool
-    colour: tuple[int, int, int]
-    at_border: bool
-
-    @property
-    def blur(self) -> float:
-        """How much longer than wide it is, px: a ball that moves is smeared."""
-        return abs(self.height - self.width)
-
-    @property
-    def fill(self) -> float:
-        """Area over the area of the ellipse that fits the bounding box."""
-        return self.area / (np.pi / 4 * self.width * self.height)
-
-    @property
-    def spanned(self) -> float:
-        """Area of the convex hull over the area of that ellipse."""
-        return self.hull / (np.pi / 4 * self.width * self.height)
 
 
 def make_background(recording: Recording) -> Background:
@@ -178,106 +133,7 @@ def _blobs_within(seen: Planes, background: Background, gain: float, window: Win
     for place in boxes(marks, BESIDE, seen[0].shape):
         apart = difference(cut(seen, place), cut(base, place), gain)
         corner = columns.start + place[1].start, rows.start + place[0].start
-        blobs += _blobs_in(
-            apart, background.threshold, _Whole(shape, seen, base, (columns.start, rows.start)), corner
+        blobs += blobs_in(
+            apart, background.threshold, Whole(shape, seen, base, (columns.start, rows.start)), corner
         )
     return blobs
-
-
-class _Whole(NamedTuple):
-    """A picture's shape; the planes, and their background, of a part of it whose corner (x, y) is known."""
-
-    shape: tuple[int, ...]
-    seen: Planes
-    background: Planes
-    corner: tuple[int, int]
-
-
-def _blobs_in(apart: Image, threshold: float, whole: _Whole, corner: tuple[int, int]) -> list[Blob]:
-    """List the patches of a difference, whose window lies at a corner (x, y) in its picture."""
-    mask = np.asarray(cv2.morphologyEx(above(apart, threshold), cv2.MORPH_CLOSE, CLOSING), dtype=np.uint8)
-    blobs = []
-    for place, area, hull in _outlines(mask):
-        if area < MINIMUM_DIAMETER_PX**2 / 2:
-            continue
-        levels = apart[place] * mask[place]
-        contrast = _high_level(levels)
-        blobs.append(_blob((place, area, hull), contrast, whole, corner))
-        core = above(levels, 0.5 * contrast)
-        if cv2.countNonZero(core) < CUT_SHARE * area:
-            within = corner[0] + place[1].start, corner[1] + place[0].start
-            blobs += [_blob(piece, contrast, whole, within) for piece in _outlines(core)]
-    return blobs
-
-
-def _outlines(mask: Image) -> list[tuple[Window, float, float]]:
-    """Bounding box, area with holes filled and with bays filled, of each patch that could be a ball."""
-    outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    found = []
-    for outline in outlines:
-        left, top, width, height = cv2.boundingRect(outline)
-        if min(width, height) >= MINIMUM_DIAMETER_PX:
-            area = cv2.contourArea(outline) + len(outline) / 2 + 1  # Pick's theorem
-            hull = cv2.convexHull(outline)
-            spanned = cv2.contourArea(hull) + cv2.arcLength(hull, closed=True) / 2 + 1
-            found.append(((slice(top, top + height), slice(left, left + width)), area, spanned))
-    return found
-
-
-@compiled
-def _high_level(levels: Image) -> float:
-    """Level that a tenth of the pixels above nothing exceed."""
-    pixels = np.zeros(256, dtype=np.int64)
-    for row in range(len(levels)):
-        for column in range(levels.shape[1]):
-            pixels[levels[row, column]] += 1
-    rank, level = int(0.9 * (pixels[1:].sum() - 1)), 1
-    while level < 255 and rank >= pixels[level]:
-        rank -= pixels[level]
-        level += 1
-    return float(level)
-
-
-def _blob(
-    outline: tuple[Window, float, float], contrast: float, whole: _Whole, corner: tuple[int, int]
-) -> Blob:
-    """Describe a patch that was outlined in a window whose corner (x, y) is known."""
-    (rows, columns), area, hull = outline
-    left, top = corner[0] + columns.start, corner[1] + rows.start
-    width, height = columns.stop - columns.start, rows.stop - rows.start
-    box = (left - whole.corner[0], top - whole.corner[1], width, height)
-    return Blob(
-        x=left + (width - 1) / 2,
-        y=top + (height - 1) / 2,
-        width=float(width),
-        height=float(height),
-        area=area,
-        hull=hull,
-        contrast=contrast,
-        colour=_colour(whole.seen, box),
-        ghost=_stands_out(whole.seen, box) < GHOSTLY * _stands_out(whole.background, box),
-        at_border=left <= 0 or top <= 0 or left + width >= whole.shape[1] or top + height >= whole.shape[0],
-    )
-
-
-def _stands_out(planes: Planes, box: tuple[int, int, int, int]) -> int:
-    """How much the middle of a box (left, top, width, height) differs from what is left and right of it."""
-    left, top, width, height = box
-    places = left + width // 2, left - width // BESIDE_SHARE, left + width + width // BESIDE_SHARE
-    down, right = fewer(planes)
-    apart = []
-    for plane, fewer_rows, fewer_columns in zip(planes, (1, down, down), (1, right, right), strict=True):
-        row = plane[(top + height // 2) // fewer_rows]
-        inside, *beside = (int(row[min(max(x, 0) // fewer_columns, len(row) - 1)]) for x in places)
-        apart.append(abs(2 * inside - sum(beside)))
-    return max(apart)
-
-
-def _colour(planes: Planes, box: tuple[int, int, int, int]) -> tuple[int, int, int]:
-    """Colour in the middle of a box (left, top, width, height)."""
-    left, top, width, height = box
-    down, right = fewer(planes)
-    row, column = top + height // 2, left + width // 2
-    brightness, blue, red = planes
-    coarse = row // down, column // right
-    return int(brightness[row, column]), int(blue[coarse]), int(red[coarse])

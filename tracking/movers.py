@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracking.detect import Blob, find_blobs, make_background
+from tracking.blob import Blob
+from tracking.detect import find_blobs, make_background
 from tracking.video import Recording, revisit
 
 ROUND_FILL = (0.7, 1.25)

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import find_peaks
 
-from tracking.detect import Blob
+from tracking.blob import Blob
 from tracking.kernel import compiled, part
 
 FloatArray = npt.NDArray[np.float64]

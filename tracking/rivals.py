@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tracking.detect import Blob
+from tracking.blob import Blob
 from tracking.errors import RecordingError
 from tracking.path import first_turn
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
-from tracking.detect import Blob
 from tracking.limb import Limb
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.consensus import agreed_circles
-from tracking.detect import Blob
 from tracking.recording import Recording, View
 from tracking.sighting import Cutting, cut_out
 from tracking.video import revisit

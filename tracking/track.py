@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from tracking.blob import MINIMUM_DIAMETER_PX, Blob
 from tracking.circle import Guess, fit_circles
-from tracking.detect import MINIMUM_DIAMETER_PX, Blob, find_blobs, make_background
+from tracking.detect import find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
 from tracking.path import MISSING, best_path, first_turn, guess_radius
