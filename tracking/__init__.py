@@ -7,10 +7,12 @@ The way of a recording through the room, one file a step:
 `video`          frames with true time stamps and the capture rate; read once
 `kept`           what changes from frame to frame, kept in memory
 `steady`         the drift of a camera held in a hand, undone
-`detect`         a picture → patches that differ from the background
+`detect`         a picture → patches that differ from the background; `blob` describes them
 `path`           patches of all pictures → the one path that is the ball's
 `circle`         the ball's rim to a fraction of a pixel
-`sight`          rims and circles in many frames at once
+`size`           how large a ball of unknown size is
+`sight`          rims and circles in many frames at once; `resting` those of a ball that is struck
+`kernel`         the door to the compiler: rims, limbs, paths and coarse looks are compiled loops
 `track`          all of these → one `Track` per ball, in pixels
 `depth`          motion towards the camera, seen in the ball's size and undone
 `scale`          pixels, y down → metres, y up
