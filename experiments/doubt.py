@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from tracking.depth import motion_in_depth
 from tracking.flight import STANDARD_GRAVITY
 from tracking.pair_impact import PairImpact
 from tracking.shot import Shot
+from tracking.track import Track
 from tracking.velocity import Impact
 
 GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
@@ -12,6 +14,7 @@ SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
 CERTAIN = 3.0  # standard deviations
 RAMP = 2.5  # half the rate makes gravity four times less; air alone makes it up to twice less
 VAGUE = 0.1  # of the approach speed: a velocity known no better tells nothing
+SWELLING = 0.12  # of a ball's size: more is no motion in depth that can be put right
 MOMENTUM_TOLERANCE = 0.05  # of the momentum before; beyond it, and three sd, something else took part
 
 
@@ -69,6 +72,18 @@ def _vague_hop(impact: Impact, capture_fps: float) -> str:
         f"the lower ball's velocity is known to ± {sd:.2g} m/s only, for it hops low and briefly (up to "
         f"{1000 * height:.1f} mm, for {1000 * lasting:.0f} ms or {lasting * capture_fps:.1f} frames); record "
         "more frames a second, film it larger, drop from higher, or take another pair of masses"
+    )
+
+
+def find_size_doubt(ball: Track) -> str:
+    """Say that a ball's size changes more than a drop's does; empty if not. The track is in px."""
+    depth = motion_in_depth(ball)
+    if not (depth.is_certain and abs(depth.change) > SWELLING):
+        return ""
+    return (
+        f"the ball's size changes by {abs(depth.change):.0%} along its path: either it falls far out of its "
+        "plane, so let it go again, or part of its rim is as grey as the wall, so light it evenly or film it "
+        "against a background of another colour"
     )
 
 

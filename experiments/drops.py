@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibrate.rows import VELOCITIES
-from experiments.doubt import find_doubt, gravity_is_wrong
+from experiments.doubt import find_doubt, find_size_doubt, gravity_is_wrong
 from experiments.known import (
     SCALES_AGREE,
     budget_of,
@@ -46,6 +46,7 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     if expected and abs(tracks[0].radius / expected - 1) > SCALES_AGREE:  # the ruler is nearer or farther
         tracks = track_balls(recording, lower=lower_ratio, start_px=start_px)
     measured.overlay = only_seen(*map(outline_of, tracks))
+    swelling = find_size_doubt(tracks[0])
     tracks[0], remarks = without_depth(tracks[0], recording)
     scale, more_remarks = chosen_scale(trial, tracks[0])
     measured.remarks += remarks + more_remarks
@@ -61,6 +62,8 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     wrong = any(map(gravity_is_wrong, impacts))
     rates = (believed, likely_rate(measured.tracks[0], flights[0], believed) if wrong else None)
     measured.rows = [_row(trial, impact, number, rates) for number, impact in enumerate(impacts, start=1)]
+    if swelling:
+        measured.rows = [row if row["reason"] else {**row, **judgement(swelling)} for row in measured.rows]
     fits = [_fits(impact, measured.tracks, flights) for impact in impacts]
     measured.fits = [fit for impact in fits for fit in impact]
     scenes = _scenes(impacts, fits, measured.tracks[0], scale)

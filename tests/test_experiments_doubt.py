@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.doubt import find_doubt
+from experiments.doubt import find_doubt, find_size_doubt
 from experiments.rates import likely_rate
 from tracking.flight import Air, Flight, flight_of_ball, position
 from tracking.track import Track
@@ -84,3 +84,30 @@ def test_slow_motion_stored_as_ordinary_film_is_recognized(stored: int, captured
     slow = replace(track, time=track.time * captured / stored)
     doubt = find_doubt(first(slow), stored, likely_rate(slow, BALL, stored))
     assert doubt.endswith(f"{captured} fps stored as {stored}; use --capture-fps {captured}")
+
+
+def test_ball_that_seems_to_swell_by_an_eighth_is_doubted() -> None:
+    def seen(change: float) -> str:
+        since = np.linspace(0, 1, 60)
+        size = 20 * (1 + change * since)
+        ones, frame = np.ones(60), np.arange(60)
+        return find_size_doubt(
+            Track(
+                ball="upper",
+                unit="px",
+                frame=frame,
+                time=frame / 240,
+                x=100 * ones,
+                y=100 + 40 * np.sin(9 * since),
+                x_sd=0.05 * ones,
+                y_sd=0.05 * ones,
+                arc=6 * ones,
+                radius=20.0,
+                radius_sd=0.01,
+                sizes=size + np.random.default_rng(3).normal(0, 0.05, 60),
+            )
+        )
+
+    assert seen(0.02) == ""
+    assert "size changes by" in seen(0.16)
+    assert "background of another colour" in seen(0.16)

@@ -1,8 +1,14 @@
 """Compiled loops do what a few lines of numpy or OpenCV say, and a kept picture is the picture."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
+from clips import Clip
 
 from tracking.coarse import CHANGED_RANK, COARSE, coarsely, largest_change, mark_changes
 from tracking.kept import Keeper
@@ -73,3 +79,26 @@ def test_what_is_cut_from_a_kept_picture_is_what_was_there() -> None:
     ):
         for own, there in zip(view.cut(window), cut(second, window), strict=True):
             np.testing.assert_array_equal(own, there)
+
+
+@pytest.mark.slow
+def test_what_is_compiled_first_measures_the_same_as_what_is_loaded_later(
+    plate_clip: Clip, tmp_path: Path
+) -> None:
+    code = (
+        "import sys; from tracking.track import track_balls; from tracking.video import open_recording; "
+        "ball = track_balls(open_recording(sys.argv[1]))[0]; print(ball.x.tolist(), ball.y_sd.tolist())"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    first, later = (
+        subprocess.run(
+            [sys.executable, "-c", code, str(plate_clip.path)],
+            cwd=Path(__file__).parents[1],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for _ in range(2)
+    )
+    assert first == later != ""

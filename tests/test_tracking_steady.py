@@ -9,7 +9,7 @@ import pytest
 
 from tracking.encode import write_video
 from tracking.errors import RecordingError
-from tracking.steady import steadied
+from tracking.steady import explains, steadied
 from tracking.track import track_balls
 from tracking.video import open_recording
 
@@ -66,3 +66,11 @@ def test_bare_wall_tells_of_no_drift(tmp_path: Path) -> None:
     write_video(tmp_path / "bare.mp4", (np.full((96, 96, 3), 90, np.uint8) for _ in range(30)), 120)
     recording = open_recording(tmp_path / "bare.mp4")
     assert steadied(recording) is recording
+
+
+def test_a_motion_that_makes_pictures_less_alike_is_no_drift() -> None:
+    reference = np.ascontiguousarray(wall()[:HEIGHT, :WIDTH, 0])
+    shifted = np.ascontiguousarray(wall()[:HEIGHT, 3 : WIDTH + 3, 0])
+    motion = np.array([[1.0, 0.0, -3.0], [0.0, 1.0, 0.0]])
+    assert explains([motion], [shifted], reference)
+    assert not explains([motion], [reference], reference)

@@ -17,7 +17,7 @@ OPTIONS = {
     "cache": True,
     "error_model": "numpy",
     "nogil": True,
-    "fastmath": {"contract", "reassoc", "nsz"},
+    "fastmath": {"contract", "nsz"},  # sums in another order would change with what is compiled together
 }
 compiled: Callable[[Function], Function] = njit(**OPTIONS)
 """Compile a function to machine code on first call, keep the code on disk, and let other threads run.

@@ -4,7 +4,7 @@ Corners of the background are followed from one reference picture into every oth
 moved, turned and stretched a little so that they stay where they were; the ball hardly disturbs the fit.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import cv2
@@ -28,6 +28,7 @@ THERE_AND_BACK_PX = 0.5
 SMOOTH_SECONDS = 0.06  # a hand trembles more slowly than that
 LARGEST_SHARE = 0.2  # of the picture: a camera that moves farther is carried about
 MOST_LOST = 0.2  # share of the pictures in which the background may be lost
+EXPLAINED = 0.95  # of the difference to the reference may be left when a drift is undone
 NO_MOTION = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
@@ -53,13 +54,14 @@ def steadied(recording: Recording) -> Recording:
     corners = _corners(reference)
     if len(corners) < FEWEST_CORNERS:
         return recording
-    shifts = [
-        _shift(motion, reference) for motion in _motions(looks, reference, corners) if motion is not None
-    ]
+    motions = list(_motions(looks, reference, corners))
+    shifts = [_shift(motion, reference) for motion in motions if motion is not None]
     one_scene = len(recording.pictures) == 1  # corners that are lost all the same belong to what moves in it
     if not shifts or (one_scene and len(shifts) < len(looks) / 2):
         return recording
     if float(np.median(shifts)) < STILL_PX:  # a passing hand drags corners along in a few
+        return recording
+    if not explains(motions, looks, reference):
         return recording
     recording = replace(recording, kept=(), pictures=())  # what hardly moves is kept as if it stood still
     drift = _drift(recording, reference, corners)
@@ -68,6 +70,25 @@ def steadied(recording: Recording) -> Recording:
         raise _moves_too_much(recording, f"by {moved:.0f} px")
     note = f"the camera drifts by up to {moved:.1f} px; the background was held still"
     return replace(recording, drift=drift, notes=(*recording.notes, note))
+
+
+def explains(motions: Sequence[FloatArray | None], looks: Sequence[Image], reference: Image) -> bool:
+    """Tell whether pictures that are moved back look more like the reference than they do as they are.
+
+    On a smooth wall a few faint corners that compression moves would pass for a drift of the camera.
+    """
+    as_they_are, moved_back = 0.0, 0.0
+    for motion, look in zip(motions, looks, strict=True):
+        if motion is None:
+            continue
+        ones, size = np.ones_like(look), look.shape[::-1]
+        back, there = (
+            cv2.warpAffine(image, motion, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+            for image in (look, ones)
+        )
+        as_they_are += float(cv2.mean(cv2.absdiff(look, reference), mask=there)[0])
+        moved_back += float(cv2.mean(cv2.absdiff(np.asarray(back), reference), mask=there)[0])
+    return moved_back < EXPLAINED * as_they_are
 
 
 def _motions(pictures: Iterable[Image], reference: Image, corners: Points) -> Iterator[FloatArray | None]:
