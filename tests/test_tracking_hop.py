@@ -8,6 +8,7 @@ import pytest
 from clips import film
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tracks import RADIUS, as_track
 
 from tracking.flight import Air, flight_of_ball, position
 from tracking.hop import low_hop
@@ -18,25 +19,8 @@ from tracking.velocity import Impact, measure_two_ball_impact
 from tracking.video import open_recording
 
 Film = tuple[Impact, list[float]]  # as measured, and the true velocities
-RADIUS, AT = 0.02, 0.1507
+AT = 0.1507
 BALL = flight_of_ball(0.0046, RADIUS, Air())
-
-
-def as_track(ball: str, time: np.ndarray, height: np.ndarray, noise: float, seed: int) -> Track:
-    sd = np.full(len(time), max(noise, 1e-6))
-    return Track(
-        ball=ball,
-        unit="m",
-        frame=np.arange(len(time)),
-        time=time,
-        x=np.zeros(len(time)),
-        y=height + noise * np.random.default_rng(seed).standard_normal(len(time)),
-        x_sd=sd,
-        y_sd=sd,
-        arc=np.full(len(time), 2 * np.pi),
-        radius=RADIUS,
-        radius_sd=1e-5,
-    )
 
 
 def hops(time: np.ndarray, velocity: float, restitution: float = 0.85) -> np.ndarray:
@@ -55,8 +39,8 @@ def two_balls(
     time = np.arange(int(0.31 * fps)) / fps
     fall = position(BALL, np.where(time < AT, -2.0, rebound), time - AT)
     return (
-        as_track("upper", time, 3 * RADIUS + fall, noise, seed),
-        as_track("lower", time, RADIUS + hops(time, hop), noise, seed + 1000),
+        as_track(time, 3 * RADIUS + fall, noise, seed, least_sd=1e-6),
+        as_track(time, RADIUS + hops(time, hop), noise, seed + 1000, ball="lower", least_sd=1e-6),
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 from clips import Clip
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tracks import RADIUS, as_track
 
 from tracking.budget import Budget
 from tracking.flight import Air, Flight, flight_of_ball, position
@@ -15,27 +16,7 @@ from tracking.track import Track, track_balls
 from tracking.velocity import Impact, measure_impacts, measure_two_ball_impact
 from tracking.video import open_recording
 
-RADIUS = 0.02
 BALL = flight_of_ball(0.0027, RADIUS, Air())
-
-
-def as_track(
-    time: np.ndarray, height: np.ndarray, noise: float = 0.0, seed: int = 0, ball: str = "upper"
-) -> Track:
-    sd = np.full(len(time), max(noise, 1e-5))
-    return Track(
-        ball=ball,
-        unit="m",
-        frame=np.arange(len(time)),
-        time=time,
-        x=np.zeros(len(time)),
-        y=height + noise * np.random.default_rng(seed).standard_normal(len(time)),
-        x_sd=sd,
-        y_sd=sd,
-        arc=np.full(len(time), 2 * np.pi),
-        radius=RADIUS,
-        radius_sd=1e-5,
-    )
 
 
 def bounce(

@@ -125,7 +125,7 @@ def _blob(
         area=area,
         hull=hull,
         contrast=contrast,
-        colour=_colour(whole.seen, box),
+        colour=_colour(whole.seen, box[1] + height // 2, box[0] + width // 2),
         ghost=_stands_out(whole.seen, box) < GHOSTLY * _stands_out(whole.background, box),
         at_border=left <= 0 or top <= 0 or left + width >= whole.shape[1] or top + height >= whole.shape[0],
     )
@@ -134,21 +134,17 @@ def _blob(
 def _stands_out(planes: Planes, box: tuple[int, int, int, int]) -> int:
     """How much the middle of a box (left, top, width, height) differs from what is left and right of it."""
     left, top, width, height = box
-    places = left + width // 2, left - width // BESIDE_SHARE, left + width + width // BESIDE_SHARE
-    down, right = fewer(planes)
-    apart = []
-    for plane, fewer_rows, fewer_columns in zip(planes, (1, down, down), (1, right, right), strict=True):
-        row = plane[(top + height // 2) // fewer_rows]
-        inside, *beside = (int(row[min(max(x, 0) // fewer_columns, len(row) - 1)]) for x in places)
-        apart.append(abs(2 * inside - sum(beside)))
-    return max(apart)
+    columns = left - width // BESIDE_SHARE, left + width // 2, left + width + width // BESIDE_SHARE
+    before, inside, after = (_colour(planes, top + height // 2, column) for column in columns)
+    return max(abs(2 * own - one - other) for one, own, other in zip(before, inside, after, strict=True))
 
 
-def _colour(planes: Planes, box: tuple[int, int, int, int]) -> tuple[int, int, int]:
-    """Colour in the middle of a box (left, top, width, height)."""
-    left, top, width, height = box
+def _colour(planes: Planes, row: int, column: int) -> tuple[int, int, int]:
+    """Brightness and two differences of colour at a place; at the side, of what lies beyond it."""
     down, right = fewer(planes)
-    row, column = top + height // 2, left + width // 2
-    brightness, blue, red = planes
-    coarse = row // down, column // right
-    return int(brightness[row, column]), int(blue[coarse]), int(red[coarse])
+    column = max(column, 0)
+    brightness, blue, red = (
+        int(plane[row // rows, min(column // columns, plane.shape[1] - 1)])
+        for plane, rows, columns in zip(planes, (1, down, down), (1, right, right), strict=True)
+    )
+    return brightness, blue, red

@@ -41,6 +41,11 @@ class Circle:
     arc: float
     contrast: float
 
+    @property
+    def vagueness(self) -> float:
+        """How far the points of the rim scatter, px; more if many lie off it."""
+        return self.y_sd / self.inliers
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rim:

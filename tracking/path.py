@@ -17,7 +17,6 @@ MISSING = -1
 MISSING_COST = 6.0
 SIZE_SPREAD = 0.18  # a ball's width varies by this share (blur, shading, cut at half contrast)
 FILL_SPREAD = 0.15
-CRESCENT_PX = 20.0  # the bay of a narrower patch may be noise
 BAY_COST = 2.0  # a ball lit from one side may be seen as a crescent, where it is as bright as the wall
 GHOST_COST = 8.0  # where a ball was that has left
 BORDER_COST = 4.0  # hands and cues come in from the border; a ball that touches it is not whole

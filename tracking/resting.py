@@ -68,7 +68,7 @@ class _Watch:
         if sighting is None or not self.is_possible(sighting):
             return True
         usual = float(np.median(self.vague[-MEMORY:])) if self.vague else np.inf
-        return _vagueness(sighting) > max(DOUBTFUL * usual, DOUBTFUL_PX)
+        return sighting.circle.vagueness > max(DOUBTFUL * usual, DOUBTFUL_PX)
 
     def is_possible(self, sighting: Sighting) -> bool:
         """Tell whether the ball can be there: not within the plate, nor within the ball above."""
@@ -108,7 +108,8 @@ def _advance(watch: _Watch) -> None:
     first = sight_once(batch, places, np.zeros(len(batch)))
     doubtful = next((i for i, sighting in enumerate(first) if watch.is_doubtful(sighting)), len(batch))
     if doubtful < len(batch):
-        del first[doubtful + 1 :], batch[doubtful + 1 :]
+        for each in (batch, places, first):
+            del each[doubtful + 1 :]
         first[doubtful] = _look_about(watch, batch[doubtful], places[doubtful])
     surprised = _take_as_expected(watch, batch, places, first)
     del watch.waiting[: surprised or len(batch)]
@@ -122,12 +123,12 @@ def _take_as_expected(
     """Take sightings up to the first that surprises; give how many frames that makes, 0 if none does."""
     rough = {sighting.frame: sighting for sighting in first if sighting is not None}
     found = {sighting.frame: sighting for sighting in sharpened(batch, list(rough.values()), watch.limb)}
-    for count, (place, cutting) in enumerate(zip(places, batch, strict=False), start=1):
+    for count, (place, cutting) in enumerate(zip(places, batch, strict=True), start=1):
         sighting = found.get(cutting.frame)
         if sighting is None:
             continue
         watch.take(sighting)
-        watch.vague.append(_vagueness(rough[cutting.frame]))
+        watch.vague.append(rough[cutting.frame].circle.vagueness)
         if np.hypot(watch.guess[0] - place[0], watch.guess[1] - place[1]) > SURPRISE_PX:
             return count
     return 0
@@ -139,12 +140,7 @@ def _look_about(watch: _Watch, cutting: Cutting, place: Guess) -> Sighting | Non
     guesses = [place, *((x, y + shift, radius) for shift in ABOUT * radius)]
     found = sight_once([cutting] * len(guesses), guesses, np.zeros(len(guesses)))
     possible = (sighting for sighting in found if sighting is not None and watch.is_possible(sighting))
-    return min(possible, key=_vagueness, default=None)
-
-
-def _vagueness(sighting: Sighting) -> float:
-    """How far the points of a rim scatter, px; more if many lie off it."""
-    return sighting.circle.y_sd / sighting.circle.inliers
+    return min(possible, key=lambda sighting: sighting.circle.vagueness, default=None)
 
 
 def _find_resting(image: Image, guess: Guess) -> Guess:
@@ -155,5 +151,5 @@ def _find_resting(image: Image, guess: Guess) -> Guess:
         rims = find_rims([image] * len(guesses), guesses, reach=reach)
         circles = [c for c in fit_circles(rims, guesses, free_radius=False) if c is not None]
         guesses = [(c.x, c.y, radius) for c in circles]
-    best = min(circles, key=lambda circle: circle.y_sd / circle.inliers, default=None)
+    best = min(circles, key=lambda circle: circle.vagueness, default=None)
     return guess if best is None else (best.x, best.y, radius)

@@ -93,12 +93,12 @@ def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting
 def _sharpest(circles: Sequence[Circle | None]) -> Circle | None:
     """Choose the circle that is known best."""
     found = [circle for circle in circles if circle is not None]
-    return min(found, key=lambda circle: circle.y_sd / circle.inliers, default=None)
+    return min(found, key=lambda circle: circle.vagueness, default=None)
 
 
 def _scatter(circle: Circle | None) -> float:
     """How far the points of an outline scatter, in radii; more if many lie off it."""
-    return np.inf if circle is None else circle.y_sd / circle.inliers / circle.radius
+    return np.inf if circle is None else circle.vagueness / circle.radius
 
 
 def _doubt(circles: Sequence[Circle | None]) -> float:
