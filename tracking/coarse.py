@@ -5,54 +5,59 @@ Most pictures show little that is new. Sixteen times fewer pixels tell where to 
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
-from tracking.kernel import compiled, part
-from tracking.planes import Image, Planes, Window, fewer
+from tracking.kernel import compiled, part, upper_median
+from tracking.planes import Image, Planes, Window
+
+IntArray = npt.NDArray[np.int64]
 
 COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
-GAIN_RANGE = (0.5, 2.0)
-NINTH, HALF = np.uint32(7282), np.uint32(32768)  # of 2**16
+LEAST_GAIN, MOST_GAIN = 0.5, 2.0
+SPARSE = 8  # coarse pixels from one that tells of flicker to the next
+NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
+ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
+@compiled
 def coarsely(seen: Planes) -> Planes:
     """Look at a few pixels only, evenly spread; brightness averaged over three rows and columns."""
-    down, right = (2 * COARSE // times for times in fewer(seen))
-    blue, red = (np.ascontiguousarray(plane[::down, ::right]) for plane in seen[1:])
-    return _averaged(seen[0]), blue, red
+    down = 2 * COARSE // -(-seen[0].shape[0] // seen[1].shape[0])  # there may be less of colour
+    right = 2 * COARSE // -(-seen[0].shape[1] // seen[1].shape[1])
+    return _averaged(_every(seen[0], COARSE, COARSE)), _every(seen[1], down, right), _every(seen[2], down, right)
 
 
-@compiled
-def _averaged(plane: Image) -> Image:
-    """Look at every `COARSE`th pixel, averaged over three rows and columns of them."""
-    few = np.empty((-(-plane.shape[0] // COARSE), -(-plane.shape[1] // COARSE)), dtype=np.uint8)
+@part
+def _every(plane: Image, down: int, right: int) -> Image:
+    """Look at some rows and columns only."""
+    few = np.empty((-(-plane.shape[0] // down), -(-plane.shape[1] // right)), dtype=np.uint8)
+    line, side_by_side = np.empty(plane.shape[1], dtype=np.uint8), plane.strides[1] == 1
+    for row in range(few.shape[0]):
+        for column in range(len(line) if side_by_side else 0):  # all of it: so memory gives it far sooner
+            line[column] = plane[down * row, column]
+        for column in range(few.shape[1]):
+            few[row, column] = line[right * column] if side_by_side else plane[down * row, right * column]
+    return few
+
+
+@part
+def _averaged(few: Image) -> Image:
+    """Average over three rows and columns."""
     height, width = few.shape
-    line, across = np.empty(plane.shape[1], dtype=np.uint8), np.empty(width + 2, dtype=np.uint16)
-    for row in range(height):
-        for column in range(len(line)):  # all of it: memory gives what lies side by side far sooner
-            line[column] = plane[COARSE * row, column]
-        for column in range(width):
-            few[row, column] = line[COARSE * column]
-    averaged = np.empty_like(few)
+    across, averaged = np.empty(width + 2, dtype=np.uint16), np.empty_like(few)
     for row in range(height):
         above, own, below = few[max(row - 1, 0)], few[row], few[min(row + 1, height - 1)]
         for column in range(width):
             across[column + 1] = np.uint16(above[column]) + np.uint16(own[column]) + np.uint16(below[column])
         across[0], across[width + 1] = across[1], across[width]
+        nine = averaged[row]
         for column in range(width):
-            nine = across[column] + across[column + 1] + across[column + 2]
-            averaged[row, column] = (nine * NINTH + HALF) >> 16
+            summed = np.uint16(across[column] + across[column + 1] + across[column + 2] + 4)
+            nine[column] = np.uint8((np.uint32(summed) * NINTH) >> SIXTEEN)
     return averaged
-
-
-def gain_between(image: Image, reference: Image) -> float:
-    """How much brighter a picture is than another: flicker."""
-    few = (slice(None, None, 8), slice(None, None, 8))
-    ratio = ((image[few] + np.float32(1)) / (reference[few] + np.float32(1))).ravel()
-    least, most = GAIN_RANGE
-    return min(max(float(np.partition(ratio, ratio.size // 2)[ratio.size // 2]), least), most)
 
 
 def brightened(image: Image, gain: float) -> Image:
@@ -62,8 +67,26 @@ def brightened(image: Image, gain: float) -> Image:
     return np.asarray(cv2.convertScaleAbs(image, alpha=gain), dtype=np.uint8)
 
 
+@compiled
+def gain_between(image: Image, reference: Image) -> float:
+    """How much brighter a picture is than another: flicker. Few of its pixels tell."""
+    down, right = -(-image.shape[0] // SPARSE), -(-image.shape[1] // SPARSE)
+    ratios = np.empty(down * right)
+    for row in range(down):
+        one, other = image[SPARSE * row], reference[SPARSE * row]
+        for column in range(right):
+            ratios[right * row + column] = (one[SPARSE * column] + 1) / (other[SPARSE * column] + 1)
+    return min(max(upper_median(ratios), LEAST_GAIN), MOST_GAIN)
+
+
+@compiled
 def mark_changes(
-    coarse: Planes, reference: Planes, change: tuple[float, float], marks: Image, lasting: int = 1
+    coarse: Planes,
+    reference: Planes,
+    change: tuple[float, float],
+    marks: Image,
+    lasting: int,
+    corner: tuple[int, int],
 ) -> None:
     """Mark where coarse looks differ; marks that are there already count down.
 
@@ -74,84 +97,150 @@ def mark_changes(
         How much brighter than the reference the whole picture is, and the least difference, grey levels.
     marks : (height, width) array
         Altered: `lasting` where brightness or colour differs, one less than before elsewhere.
-    lasting : int, optional
+    lasting : int
+    corner : two int
+        Even row and column of the reference at which the other look begins.
     """
     gain, least = change
-    dim, blue, red = map(np.ascontiguousarray, (brightened(reference[0], gain), *reference[1:]))
-    levels = np.array((least, least / COLOUR_SHARE), dtype=np.uint8)
-    _mark(coarse, (dim, blue, red), levels, marks, lasting)
-
-
-@compiled
-def _mark(coarse: Planes, reference: Planes, levels: Image, marks: Image, lasting: int) -> None:
-    """Mark what differs by more than a level of brightness or one of colour."""
-    coloured = np.zeros(2 * coarse[1].shape[1], dtype=np.uint8)
-    for row in range(len(marks)):
-        _mark_coloured(coarse, reference, levels[1], row // 2, coloured)
-        own, seen, other = marks[row], coarse[0][row], reference[0][row]
-        for column in range(len(own)):
-            apart = max(seen[column], other[column]) - min(seen[column], other[column])
-            own[column] = max(own[column], np.uint8(1)) - 1
-            if apart > levels[0] or coloured[column]:
-                own[column] = lasting
+    _mark(coarse[0], _dimmed(reference[0], gain), np.uint8(least), marks, np.uint8(lasting), corner)
+    level = np.uint8(least / COLOUR_SHARE)
+    _mark_coloured(coarse, reference, level, marks, np.uint8(lasting), (corner[0] // 2, corner[1] // 2))
 
 
 @part
-def _mark_coloured(coarse: Planes, reference: Planes, level: int, row: int, coloured: Image) -> None:
-    """Mark where colour differs in a row; one pixel of colour is two of brightness."""
-    blue, other_blue, red, other_red = coarse[1][row], reference[1][row], coarse[2][row], reference[2][row]
-    for column in range(len(blue)):
-        bluer = max(blue[column], other_blue[column]) - min(blue[column], other_blue[column])
-        redder = max(red[column], other_red[column]) - min(red[column], other_red[column])
-        coloured[2 * column] = coloured[2 * column + 1] = max(bluer, redder) > level
+def _dimmed(levels: Image, gain: float) -> Image:
+    """Make a coarse look brighter or darker, unless hardly."""
+    if abs(gain - 1) < SAME_GAIN:
+        return levels
+    dimmed, times = np.empty_like(levels), np.float32(gain)
+    for row in range(len(levels)):
+        for column in range(levels.shape[1]):
+            dimmed[row, column] = np.uint8(min(np.float32(levels[row, column]) * times + ROUNDING, BRIGHTEST))
+    return dimmed
+
+
+@part
+def _mark(
+    seen: Image, reference: Image, level: int, marks: Image, lasting: int, corner: tuple[int, int]
+) -> None:
+    """Mark where brightness differs by more than a level; other marks count down."""
+    for row in range(len(marks)):
+        own, one, other = marks[row], seen[row], reference[corner[0] + row, corner[1] :]
+        for column in range(len(own)):
+            apart = np.uint8(max(one[column], other[column]) - min(one[column], other[column]))
+            left = np.uint8(max(own[column], np.uint8(1)) - np.uint8(1))
+            own[column] = max(left, np.uint8(np.uint8(apart > level) * lasting))
+
+
+@part
+def _mark_coloured(
+    coarse: Planes, reference: Planes, level: int, marks: Image, lasting: int, corner: tuple[int, int]
+) -> None:
+    """Mark where colour differs by more than a level; one pixel of colour is two of brightness."""
+    apart = np.empty(coarse[1].shape[1], dtype=np.uint8)
+    for row in range(len(coarse[1])):
+        blue, other_blue = coarse[1][row], reference[1][corner[0] + row, corner[1] :]
+        red, other_red = coarse[2][row], reference[2][corner[0] + row, corner[1] :]
+        most = np.uint8(0)
+        for column in range(len(apart)):
+            bluer = np.uint8(max(blue[column], other_blue[column]) - min(blue[column], other_blue[column]))
+            redder = np.uint8(max(red[column], other_red[column]) - min(red[column], other_red[column]))
+            apart[column] = max(bluer, redder)
+            most = max(most, apart[column])
+        for column in range(len(apart) if most > level else 0):
+            if apart[column] > level:
+                marks[2 * row : 2 * row + 2, 2 * column : 2 * column + 2] = lasting
 
 
 @compiled
 def largest_change(before: Image, after: Image) -> float:
     """Tell by how much at least the `CHANGED_RANK` most changed places of two pictures differ, levels."""
-    largest = np.zeros(CHANGED_RANK, dtype=np.int64)  # in order, the least of them first
-    apart = np.empty(before.shape[1], dtype=np.uint8)
+    counts, largest = np.zeros(256, dtype=np.int64), np.uint8(0)
     for row in range(len(before)):
-        one, other, most = before[row], after[row], 0
-        for column in range(len(apart)):
-            apart[column] = max(one[column], other[column]) - min(one[column], other[column])
-        for column in range(len(apart)):
-            most = max(most, apart[column])
-        for column in range(len(apart) if most > largest[0] else 0):
-            if apart[column] > largest[0]:
-                rank = 0
-                while rank + 1 < CHANGED_RANK and largest[rank + 1] < apart[column]:
-                    largest[rank] = largest[rank + 1]
-                    rank += 1
-                largest[rank] = apart[column]
-    return float(largest[0])
+        one, other, most = before[row], after[row], np.uint8(0)
+        for column in range(len(one)):
+            most = max(most, np.uint8(max(one[column], other[column]) - min(one[column], other[column])))
+        if most > largest:
+            for column in range(len(one)):
+                counts[max(one[column], other[column]) - min(one[column], other[column])] += 1
+            largest = _ranked(counts, largest)
+    return float(largest)
+
+
+@part
+def _ranked(counts: IntArray, least: int) -> int:
+    """Highest level that `CHANGED_RANK` places reach, or the least if none above it is."""
+    level, above = 255, counts[255]
+    while level > least and above < CHANGED_RANK:
+        level -= 1
+        above += counts[level]
+    return np.uint8(level)
+
+
+@compiled
+def noticed(
+    seen: Planes, reference: Planes, corner: tuple[int, int], change: tuple[float, float], beside: int
+) -> IntArray:
+    """Boxes about all places of a part of a picture that differ, at a coarse look, from a reference.
+
+    Parameters are those of `mark_changes` and of `_boxes`.
+    """
+    coarse = coarsely(seen)
+    marks = np.zeros_like(coarse[0])
+    mark_changes(coarse, reference, change, marks, 1, corner)
+    return _boxes(marks, beside)
 
 
 def boxes(marks: Image, beside: int, shape: tuple[int, ...]) -> tuple[Window, ...]:
     """Windows, in pixels of a picture of some `shape`, around all that is set in marks on its coarse look."""
-    outlines, _ = cv2.findContours(marks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    found: list[tuple[int, int, int, int]] = []
-    for outline in outlines:
-        left, top, width, height = cv2.boundingRect(outline)
-        first = (top - beside) // 2 * 2, (left - beside) // 2 * 2  # a pixel of colour is two of brightness
-        found = _joined(found, (first[0], top + height + beside, first[1], left + width + beside))
+    return windows_of(_boxes(marks, beside), shape)
+
+
+def windows_of(found: IntArray, shape: tuple[int, ...]) -> tuple[Window, ...]:
+    """Turn boxes on a coarse look into windows of a picture."""
     return tuple(
         (
             slice(COARSE * max(top, 0), min(COARSE * bottom, shape[0])),
             slice(COARSE * max(left, 0), min(COARSE * right, shape[1])),
         )
-        for top, bottom, left, right in found
+        for top, bottom, left, right in found.tolist()
     )
 
 
-def _joined(
-    apart: list[tuple[int, int, int, int]], box: tuple[int, int, int, int]
-) -> list[tuple[int, int, int, int]]:
-    """Add a box (top, bottom, left, right) to boxes that do not overlap; those that do become one."""
+@compiled
+def _boxes(marks: Image, beside: int) -> IntArray:
+    """Boxes (top, bottom, left, right) about all that is set, and so much beside it; none overlap."""
+    found, count = np.empty((marks.size, 4), dtype=np.int32), 0
+    height, width = marks.shape
+    for row in range(height):
+        line, any_set = marks[row], np.uint8(0)
+        for column in range(width):
+            any_set |= line[column]
+        column = 0 if any_set else width
+        while column < width:
+            start = column
+            while column < width and line[column]:
+                column += 1
+            if column > start:  # a pixel of colour is two of brightness
+                top, left = (row - beside) // 2 * 2, (start - beside) // 2 * 2
+                count = _join(found, count, (top, row + 1 + beside, left, column + beside))
+            column += 1
+    return found[:count].copy()
+
+
+@part
+def _join(found: IntArray, count: int, box: tuple[int, int, int, int]) -> int:
+    """Add a box to others that do not overlap; those that do become one. Returns how many there are."""
     top, bottom, left, right = box
-    for other in apart:
-        if top < other[1] and other[0] < bottom and left < other[3] and other[2] < right:
-            rest = [one for one in apart if one is not other]
-            both = min(top, other[0]), max(bottom, other[1]), min(left, other[2]), max(right, other[3])
-            return _joined(rest, both)
-    return [*apart, box]
+    k = 0
+    while k < count:
+        if top < found[k, 1] and found[k, 0] < bottom and left < found[k, 3] and found[k, 2] < right:
+            top, bottom = min(top, found[k, 0]), max(bottom, found[k, 1])
+            left, right = min(left, found[k, 2]), max(right, found[k, 3])
+            count -= 1
+            found[k] = found[count]
+            k = 0
+        else:
+            k += 1
+    found[count] = top, bottom, left, right
+    return count + 1

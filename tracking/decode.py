@@ -170,5 +170,4 @@ def _no_video(container: av.container.InputContainer) -> str:
 
 def _array(plane: VideoPlane) -> Image:
     """View one plane as an array."""
-    lines = np.frombuffer(memoryview(plane), dtype=np.uint8).reshape(-1, plane.line_size)
-    return lines[: plane.height, : plane.width]
+    return np.ndarray((plane.height, plane.width), np.uint8, memoryview(plane), 0, (plane.line_size, 1))

@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 
 from tracking.blob import Blob, Whole, blobs_in
-from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, mark_changes
-from tracking.planes import Image, Planes, Window, copied, cut, enlarged
+from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, noticed, windows_of
+from tracking.differing import difference
+from tracking.planes import Image, Planes, Window, copied, cut
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
 MINIMUM_DIFFERENCE = 10.0  # grey levels
-COLOUR_WEIGHT = 1.5  # a difference of colour spans fewer levels than one of brightness
 COARSE_SHARE = 0.3  # of the threshold that the smallest object leaves in what is looked at first
 BESIDE = 3  # coarse pixels around what a first look found
 
@@ -49,7 +49,7 @@ def make_background(recording: Recording) -> Background:
         for plane, samples in zip(median, zip(*part, strict=True), strict=True):
             plane[:] = _median(samples)
         sparse = (slice(None, None, 3), slice(None, None, 3))
-        deviations += [float(np.median(difference(one, median)[sparse])) for one in part[::3]]
+        deviations += [float(np.median(difference(one, median, 1.0)[sparse])) for one in part[::3]]
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)
 
@@ -78,7 +78,7 @@ def _ever_changed(recording: Recording) -> tuple[Window, ...]:
     for kept in recording.kept:
         for rows, columns in kept.windows:
             changed[_coarsely(rows), _coarsely(columns)] = 1
-    return boxes(changed, 0, recording.size)
+    return boxes(changed, 1, recording.size)
 
 
 def _coarsely(pixels: slice) -> slice:
@@ -99,15 +99,6 @@ def _median(pictures: Sequence[Image]) -> Image:
     return np.asarray(median, dtype=np.uint8)
 
 
-def difference(seen: Planes, background: Planes, gain: float = 1.0) -> Image:
-    """Find the largest difference over the planes, the background made `gain` times as bright."""
-    apart = cv2.absdiff(seen[0], brightened(background[0], gain))
-    colour = cv2.max(cv2.absdiff(seen[1], background[1]), cv2.absdiff(seen[2], background[2]))
-    strong = cv2.convertScaleAbs(colour, alpha=COLOUR_WEIGHT)
-    both = cv2.max(apart, enlarged(np.asarray(strong, dtype=np.uint8), apart.shape, cv2.INTER_NEAREST))
-    return np.asarray(cv2.blur(both, (3, 3)), dtype=np.uint8)
-
-
 def find_blobs(view: View, background: Background) -> list[Blob]:
     """List what differs from the background: each patch whole, and cut at half its own contrast.
 
@@ -123,17 +114,15 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
 
 def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
     """List what differs from the background in a window, where a look at few pixels shows something."""
-    (rows, columns), shape = window, background.planes[0].shape
-    coarse = coarsely(seen)
-    marks = np.zeros_like(coarse[0])
-    few = _coarsely(rows), _coarsely(columns)
-    mark_changes(coarse, cut(background.coarse, few), (gain, COARSE_SHARE * background.threshold), marks)
-    base = cut(background.planes, window)
-    blobs = []
-    for place in boxes(marks, BESIDE, seen[0].shape):
-        apart = difference(cut(seen, place), cut(base, place), gain)
+    rows, columns = window
+    change, few = (gain, COARSE_SHARE * background.threshold), (rows.start // COARSE, columns.start // COARSE)
+    places = windows_of(noticed(seen, background.coarse, few, change, BESIDE), seen[0].shape)
+    if not places:
+        return []
+    base, blobs = cut(background.planes, window), []
+    whole = Whole(background.planes[0].shape, seen, base, (columns.start, rows.start))
+    for place in places:
+        apart = difference(copied(cut(seen, place)), copied(cut(base, place)), gain)
         corner = columns.start + place[1].start, rows.start + place[0].start
-        blobs += blobs_in(
-            apart, background.threshold, Whole(shape, seen, base, (columns.start, rows.start)), corner
-        )
+        blobs += blobs_in(apart, background.threshold, whole, corner)
     return blobs

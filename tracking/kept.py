@@ -88,7 +88,7 @@ class Keeper:
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])
-        mark_changes(coarse, reference, (gain, least), self._lingering, LINGERING)
+        mark_changes(coarse, reference, (gain, least), self._lingering, LINGERING, (0, 0))
         windows = boxes(self._lingering, BESIDE, shape)
         kept = sum((rows.stop - rows.start) * (columns.stop - columns.start) for rows, columns in windows)
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows

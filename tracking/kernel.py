@@ -9,6 +9,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
+import numpy.typing as npt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,3 +32,23 @@ inlined: Callable[[Function], Function] = njit(
     forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
 )
 """The same for a small function that is called so often that the call itself would cost most."""
+
+
+@part
+def upper_median(values: npt.NDArray[np.float64]) -> float:
+    """Select the middle value, the upper one of an even number; the values change their order."""
+    low, high, wanted = 0, len(values) - 1, len(values) // 2
+    while low < high:
+        pivot, i, j = values[(low + high) // 2], low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        if wanted > j and wanted < i:
+            break
+        low, high = (low, j) if wanted <= j else (i, high)
+    return float(values[wanted])
