@@ -15,6 +15,7 @@ import numpy.typing as npt
 from tracking.patch import Patch, as_patch
 from tracking.planes import Image
 from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, fit_rim, see_rim
+from tracking.strands import side_by_side
 
 FloatArray = npt.NDArray[np.float64]
 Guess = tuple[float, float, float]
@@ -86,14 +87,15 @@ def find_rims(
     """
     circles = np.array(guesses, dtype=np.float64).reshape(-1, 3)
     points = np.empty((len(circles), RAYS, 2))
-    ways = (np.broadcast_to(value, len(circles)).tolist() for value in (reach, blur))
-    rims = []
-    for image, circle, far, own, place in zip(images, circles, *ways, points, strict=True):
-        patch = as_patch(image)
-        contrast = see_rim(patch.image, circle - patch.corner, far, own, place)
-        place += patch.corner[:2]
-        rims.append(Rim(points=place, contrast=contrast))
-    return rims
+    far, smeared = (np.broadcast_to(value, len(circles)).tolist() for value in (reach, blur))
+    contrasts = [np.inf] * len(circles)
+
+    def see(k: int) -> None:
+        patch = as_patch(images[k])
+        contrasts[k] = see_rim(patch.image, patch.corner, circles[k], (far[k], smeared[k]), points[k])
+
+    side_by_side(see, len(circles))
+    return [Rim(points=place, contrast=contrast) for place, contrast in zip(points, contrasts, strict=True)]
 
 
 def fit_circles(

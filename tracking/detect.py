@@ -1,15 +1,13 @@
 """One image → where something ball-like differs from the background."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from tracking.blob import Blob, Whole, blobs_in
 from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, noticed, windows_of
-from tracking.differing import difference
-from tracking.planes import Image, Planes, Window, copied, cut
+from tracking.differing import difference, median_of
+from tracking.planes import Planes, Window, copied, cut
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
@@ -38,18 +36,16 @@ def make_background(recording: Recording) -> Background:
     Where nothing ever changed, one picture is as good.
     """
     windows = _ever_changed(recording)
-    parts: list[list[Planes]] = [[] for _ in windows]
     looks = _alike(recording)
-    for look in looks:
-        for window, part in zip(windows, parts, strict=True):
-            part.append(cut(look, window))
     whole, deviations = copied(looks[len(looks) // 2]), []
-    for window, part in zip(windows, parts, strict=True):
-        median = cut(whole, window)
-        for plane, samples in zip(median, zip(*part, strict=True), strict=True):
-            plane[:] = _median(samples)
-        sparse = (slice(None, None, 3), slice(None, None, 3))
-        deviations += [float(np.median(difference(one, median, 1.0)[sparse])) for one in part[::3]]
+    for window in windows:
+        parts = [cut(look, window) for look in looks]
+        brightness, blue, red = (median_of(np.stack(samples)) for samples in zip(*parts, strict=True))
+        for plane, middle in zip(cut(whole, window), (brightness, blue, red), strict=True):
+            plane[:] = middle
+        for part in parts[::3]:
+            apart = difference(copied(part), (brightness, blue, red), 1.0)
+            deviations.append(float(np.median(apart[::3, ::3])))
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)
 
@@ -84,19 +80,6 @@ def _ever_changed(recording: Recording) -> tuple[Window, ...]:
 def _coarsely(pixels: slice) -> slice:
     """Turn rows or columns of a picture into those of its coarse look."""
     return slice(pixels.start // COARSE, -(-pixels.stop // COARSE))
-
-
-def _median(pictures: Sequence[Image]) -> Image:
-    """Median over pictures, pixel by pixel (the upper one of an even number): the brightest bubble away.
-
-    OpenCV compares many pixels at once; sorting each pixel by itself takes twenty times as long.
-    """
-    left: list[cv2.typing.MatLike] = list(pictures)
-    for _ in range(len(left) // 2 + 1):
-        for k in range(len(left) - 1):
-            left[k], left[k + 1] = cv2.min(left[k], left[k + 1]), cv2.max(left[k], left[k + 1])
-        median = left.pop()
-    return np.asarray(median, dtype=np.uint8)
 
 
 def find_blobs(view: View, background: Background) -> list[Blob]:

@@ -9,6 +9,8 @@ FloatArray = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 SingleArray = npt.NDArray[np.float32]
 Four = tuple[np.float32, np.float32, np.float32, np.float32]
+Ray = tuple[FloatArray, FloatArray, FloatArray]
+Room = tuple[npt.NDArray[np.int64], SingleArray, SingleArray]
 
 COLOURS = 3
 SHARPNESS = np.float32(-0.75)  # of cubic interpolation, as OpenCV has it
@@ -38,8 +40,10 @@ def compare(
     count, samples = light.shape
     line, inside = np.zeros((count, COLOURS, samples), dtype=np.float32), np.empty(count, dtype=np.bool_)
     inner, brightest = np.zeros((count, COLOURS), dtype=np.float32), np.zeros(COLOURS, dtype=np.float32)
+    levels, near = _singly(image), np.empty(4 * COLOURS, dtype=np.float32)
+    room = np.empty((2, samples), dtype=np.int64), np.empty((8, samples), dtype=np.float32), near
     for ray in range(count):
-        inside[ray] = _sample(image, rays[0], rays[1], rays[2][ray], line[ray])
+        inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line[ray])
         for colour in range(COLOURS):
             inner[ray, colour] = inside[ray] * _product(rows[ray, INNER], line[ray, colour])
             brightest[colour] += inner[ray, colour] / np.float32(count)
@@ -85,39 +89,52 @@ def _product(one: SingleArray, other: SingleArray) -> np.float32:
 
 
 @part
-def _sample(
-    image: Image, circle: FloatArray, offsets: FloatArray, direction: FloatArray, line: SingleArray
-) -> bool:
-    """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture."""
-    across, down = direction
+def _singly(image: Image) -> SingleArray:
+    """Give the levels of a picture as numbers (rows, columns × colours)."""
+    height, width, _ = image.shape
+    levels = np.empty((height, COLOURS * width), dtype=np.float32)
+    flat = image.reshape(height, COLOURS * width)
+    for row in range(height):
+        for k in range(COLOURS * width):
+            levels[row, k] = flat[row, k]
+    return levels
+
+
+@part
+def _sample(levels: SingleArray, ray: Ray, room: Room, line: SingleArray) -> bool:
+    """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture.
+
+    A ray is a circle (3,), offsets from it (samples,) and a direction (2,). `room` is for corners (2, samples)
+    and weights (8, samples) of the neighbours of each place.
+    """
+    circle, offsets, direction = ray
+    corners, weights, near = room
+    height, width = levels.shape[0], levels.shape[1] // COLOURS
     for sample in range(len(offsets)):
         distance = circle[2] + offsets[sample]
-        x, y = circle[0] + across * distance, circle[1] + down * distance
-        if not (1 <= x < image.shape[1] - 2 and 1 <= y < image.shape[0] - 2):
+        x, y = circle[0] + direction[0] * distance, circle[1] + direction[1] * distance
+        if not (1 <= x < width - 2 and 1 <= y < height - 2):
             return False
         i, j = int(y), int(x)
-        a, b, c, d = _cubic(np.float32(x - j))
-        first, second, third, fourth = _cubic(np.float32(y - i))
-        near = image[i - 1 : i + 3, j - 1 : j + 3]
+        corners[0, sample], corners[1, sample] = i - 1, COLOURS * (j - 1)
+        weights[0, sample], weights[1, sample], weights[2, sample], weights[3, sample] = _cubic(np.float32(y - i))
+        weights[4, sample], weights[5, sample], weights[6, sample], weights[7, sample] = _cubic(np.float32(x - j))
+    for sample in range(len(offsets)):
+        row, left, right = corners[0, sample], corners[1, sample], corners[1, sample] + len(near)
+        above, own = levels[row, left:right], levels[row + 1, left:right]
+        below, last = levels[row + 2, left:right], levels[row + 3, left:right]
+        a, b, c, d = weights[0, sample], weights[1, sample], weights[2, sample], weights[3, sample]
+        for k in range(4 * COLOURS):  # all colours of four columns at once
+            near[k] = a * above[k] + b * own[k] + c * below[k] + d * last[k]
+        a, b, c, d = weights[4, sample], weights[5, sample], weights[6, sample], weights[7, sample]
         for colour in range(COLOURS):
             line[colour, sample] = (
-                first * _row(near, 0, colour, (a, b, c, d))
-                + second * _row(near, 1, colour, (a, b, c, d))
-                + third * _row(near, 2, colour, (a, b, c, d))
-                + fourth * _row(near, 3, colour, (a, b, c, d))
+                a * near[colour]
+                + b * near[COLOURS + colour]
+                + c * near[2 * COLOURS + colour]
+                + d * near[3 * COLOURS + colour]
             )
     return True
-
-
-@inlined
-def _row(near: Image, row: int, colour: int, weights: Four) -> np.float32:
-    """Interpolate between four neighbours in a row."""
-    return np.float32(
-        weights[0] * np.float32(near[row, 0, colour])
-        + weights[1] * np.float32(near[row, 1, colour])
-        + weights[2] * np.float32(near[row, 2, colour])
-        + weights[3] * np.float32(near[row, 3, colour])
-    )
 
 
 @inlined

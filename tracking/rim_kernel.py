@@ -26,13 +26,15 @@ DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 
 
 @compiled
-def see_rim(image: Image, circle: FloatArray, reach: float, blur: float, points: FloatArray) -> float:
+def see_rim(image: Image, corner: FloatArray, circle: FloatArray, ways: Pair, points: FloatArray) -> float:
     """Find the steepest place on each ray from a circle's centre: `points` (rays, 2), NaN where none is.
 
-    The rim is searched within the radius ± `reach`, and smeared by `blur` px up and down. Returns the median
-    contrast on the rays that meet an edge, levels; infinity where none does.
+    The image begins at a corner (x, y). The rim is searched within the radius ± the first of two `ways`, px,
+    and smeared by the second up and down. Returns the median contrast on the rays that meet an edge, levels;
+    infinity where none does.
     """
-    x, y, radius = circle
+    x, y, radius = circle[0] - corner[0], circle[1] - corner[1], circle[2]
+    reach, blur = ways
     points[:] = np.nan
     if not np.isfinite(x + y + radius + reach):
         return np.inf
@@ -53,7 +55,8 @@ def see_rim(image: Image, circle: FloatArray, reach: float, blur: float, points:
         edge = _steepest(line, expected, (PEAK_PX + blur / 2 * abs(down)) / STEP_PX)
         if np.isfinite(edge):
             distance = inner + STEP_PX * edge
-            points[ray, 0], points[ray, 1] = x + across * distance, y + down * distance
+            points[ray, 0] = corner[0] + (x + across * distance)
+            points[ray, 1] = corner[1] + (y + down * distance)
             contrasts[seen] = np.sqrt(_square_apart(line, 0, count - 1))
             seen += 1
     return upper_median(contrasts[:seen]) if seen else np.inf
