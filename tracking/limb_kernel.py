@@ -16,7 +16,8 @@ COLOURS = 3
 SHARPNESS = np.float32(-0.75)  # of cubic interpolation, as OpenCV has it
 LEAST_LEFT = np.float32(1.0)
 ZERO, ONE, TWO, THREE = np.arange(4, dtype=np.float32)  # of single precision, or all would be double
-OUTER, INNER, SHARE, REST = 0, 1, 2, 4  # rows of the model
+OUTER, INNER, SHARE, REST = 0, 1, 2, 4  # what the levels on a ray are multiplied with
+TOGETHER = 8  # products that a processor adds up at once
 
 
 @compiled
@@ -32,37 +33,51 @@ def compare(
     ----------
     image : (height, width, 3) array
     rays : the circle (3,); offsets from it (samples,) and directions (rays, 2)
-    model : rows, gram and light of `limb_model`
+    model : factors, gram and lit of `limb_model`
     seen : information (rays, kinds, kinds), pull (rays, kinds) and variance (rays,), as `Look` has them
     """
-    rows, gram, light = model
+    factors, gram, lit = model
     information, pull, variance = seen
-    count, samples = light.shape
-    line, inside = np.zeros((count, COLOURS, samples), dtype=np.float32), np.empty(count, dtype=np.bool_)
-    inner, brightest = np.zeros((count, COLOURS), dtype=np.float32), np.zeros(COLOURS, dtype=np.float32)
-    levels, near = _singly(image), np.empty(4 * COLOURS, dtype=np.float32)
-    room = np.empty((2, samples), dtype=np.int64), np.empty((8, samples), dtype=np.float32), near
+    count, samples, width = factors.shape
+    light = REST + 2 * pull.shape[1]
+    products, squares = np.zeros((count, COLOURS, width), dtype=np.float32), np.zeros((count, COLOURS), dtype=np.float32)
+    levels, line = _singly(image), np.empty((COLOURS, samples), dtype=np.float32)
+    room = np.empty((2, samples), dtype=np.int64), np.empty((8, samples), dtype=np.float32), np.empty(4 * COLOURS, dtype=np.float32)
+    inside, brightest = np.empty(count, dtype=np.bool_), np.zeros(COLOURS, dtype=np.float32)
     for ray in range(count):
-        inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line[ray])
-        for colour in range(COLOURS):
-            inner[ray, colour] = inside[ray] * _product(rows[ray, INNER], line[ray, colour])
-            brightest[colour] += inner[ray, colour] / np.float32(count)
-    products = np.empty((rows.shape[1], COLOURS), dtype=np.float32)
+        inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line)
+        for colour in range(COLOURS if inside[ray] else 0):
+            squares[ray, colour] = _multiply(line[colour], factors[ray], products[ray, colour])
+            brightest[colour] += products[ray, colour, INNER] / np.float32(count)
     for ray in range(count):
         information[ray], pull[ray], variance[ray] = 0.0, 0.0, np.inf
         if inside[ray]:
             left = np.float32(0)
             for colour in range(COLOURS):
-                facing = min(max(inner[ray, colour] / max(brightest[colour], ONE), ZERO), ONE)
-                missing, own = inner[ray, colour] * (ONE - facing * facing), line[ray, colour]
-                for sample in range(samples):
-                    own[sample] += missing * light[ray, sample]
-                left += _product(own, own)
-                for row in range(len(products)):
-                    products[row, colour] = _product(rows[ray, row], own)
-                left -= products[SHARE, colour] ** 2 + products[SHARE + 1, colour] ** 2
+                own = products[ray, colour]
+                facing = min(max(own[INNER] / max(brightest[colour], ONE), ZERO), ONE)
+                missing = own[INNER] * (ONE - facing * facing)
+                left += squares[ray, colour] + missing * (TWO * own[light] + missing * lit[ray, light])
+                for row in range(light):
+                    own[row] += missing * lit[ray, row]
+                left -= own[SHARE] ** 2 + own[SHARE + 1] ** 2
             variance[ray] = max(left, LEAST_LEFT) / (COLOURS * (samples - 2))
-            _tell(products, gram[ray], information[ray], pull[ray])
+            _tell(products[ray], gram[ray], information[ray], pull[ray])
+
+
+@part
+def _multiply(levels: SingleArray, factors: SingleArray, products: SingleArray) -> np.float32:
+    """Add up levels (samples,) times factors (samples, products); return the sum of their squares."""
+    squares = np.float32(0)
+    for first in range(0, len(products), TOGETHER):
+        some = products[first : first + TOGETHER]
+        for sample in range(len(levels)):
+            own = factors[sample, first : first + TOGETHER]
+            for k in range(TOGETHER):
+                some[k] += levels[sample] * own[k]
+    for sample in range(len(levels)):
+        squares += levels[sample] * levels[sample]
+    return squares
 
 
 @part
@@ -71,20 +86,20 @@ def _tell(products: SingleArray, gram: SingleArray, information: FloatArray, pul
     kinds = len(pull)
     for end in range(INNER + 1):
         for kind in range(kinds):
-            pull[kind] += _product(products[end], products[REST + 2 * kind + end])
+            pull[kind] += _both(products, end, REST + 2 * kind + end)
         for other in range(INNER + 1):
-            pair = _product(products[end], products[other])
+            pair = _both(products, end, other)
             for kind in range(kinds):
                 for second in range(kinds):
                     information[kind, second] += pair * gram[2 * end + other, kinds * kind + second]
 
 
 @inlined
-def _product(one: SingleArray, other: SingleArray) -> np.float32:
-    """Sum of the products of two rows."""
+def _both(products: SingleArray, one: int, other: int) -> np.float32:
+    """Sum over colours of two products, multiplied."""
     total = np.float32(0)
-    for k in range(len(one)):
-        total += one[k] * other[k]
+    for colour in range(COLOURS):
+        total += products[colour, one] * products[colour, other]
     return total
 
 

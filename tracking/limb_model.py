@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from tracking.limb_kernel import compare
+from tracking.limb_kernel import TOGETHER, compare
 from tracking.patch import Patch, as_patch
 from tracking.planes import Image
 from tracking.rim_kernel import RAYS
@@ -95,16 +95,17 @@ def look(
 class _Model(NamedTuple):
     """The model of one limb, linearized: what to multiply the levels on each ray with.
 
-    `offsets` (samples,) are distances from the rim, px. `rows` (rays, 4 + 2 kinds, samples) give outer and
-    inner level, the levels' share within the model, and what is left along the slopes of either level's shape
-    by rim, blur and shading, or by the rim alone. `gram` (rays, 4, kinds²) are the products of those slopes.
-    `light` (rays, samples) is shading · T.
+    `offsets` (samples,) are distances from the rim, px. `factors` (rays, samples, 5 + 2 kinds, and as many
+    zeros as make it easier) give outer and inner level, the levels' share within the model, what is left along
+    the slopes of either level's shape by rim, blur and shading, or by the rim alone, and last shading · T.
+    `gram` (rays, 4, kinds²) are the products of those slopes, `lit` (rays, 5 + 2 kinds) are what the factors
+    make of shading · T itself.
     """
 
     offsets: FloatArray
-    rows: npt.NDArray[np.float32]
+    factors: npt.NDArray[np.float32]
     gram: npt.NDArray[np.float32]
-    light: npt.NDArray[np.float32]
+    lit: npt.NDArray[np.float32]
 
 
 def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
@@ -125,11 +126,14 @@ def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
     left = slopes - (within @ np.swapaxes(within, 1, 2))[:, None] @ slopes
     flat = np.moveaxis(left, 2, 3).reshape(len(_SLANTS), -1, SAMPLES)
     across = np.swapaxes(within, 1, 2)
-    rows = np.concatenate((np.linalg.solve(upper, across), across, flat), axis=1).astype(np.float32)
+    light = basis()[..., 1] - basis(shading=-limb.shading)[..., 1]
+    rows = np.concatenate((np.linalg.solve(upper, across), across, flat, light[:, None]), axis=1)
+    lit = (rows @ light[..., None])[..., 0].astype(np.float32)
+    factors = np.zeros((len(_SLANTS), SAMPLES, -(-rows.shape[1] // TOGETHER) * TOGETHER), dtype=np.float32)
+    factors[..., : rows.shape[1]] = np.swapaxes(rows, 1, 2)
     gram = (flat @ np.swapaxes(flat, 1, 2)).reshape(-1, kinds, 2, kinds, 2)
     gram = gram.transpose(0, 2, 4, 1, 3).reshape(-1, 4, kinds**2).astype(np.float32)
-    light = (basis()[..., 1] - basis(shading=-limb.shading)[..., 1]).astype(np.float32)
-    return _Model(offsets=offsets, rows=rows[_SLANT], gram=gram[_SLANT], light=light[_SLANT])
+    return _Model(offsets=offsets, factors=factors[_SLANT], gram=gram[_SLANT], lit=lit[_SLANT])
 
 
 def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: float) -> FloatArray:
