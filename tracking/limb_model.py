@@ -28,6 +28,7 @@ from tracking.rim_kernel import RAYS
 from tracking.strands import side_by_side
 
 FloatArray = npt.NDArray[np.float64]
+SingleArray = npt.NDArray[np.float32]
 
 TWINS = 2  # rays side by side that make one of a rim's: they miss no pixel of a ball up to 60 px wide
 SAMPLES = 16  # on a ray: as many as a processor multiplies at once
@@ -80,66 +81,88 @@ def look(
     count = (len(images), len(ANGLES))
     seen = Look(np.empty((*count, kinds, kinds)), np.empty((*count, kinds)), np.empty(count))
     radius = float(np.median(places[:, 2])) if len(places) else 1.0
-    ways = np.round(blur)
-    models = {way: _model(limb, radius, way, kinds) for way in np.unique(ways).tolist()}
+    ways, way_of = np.unique(np.round(blur), return_inverse=True)
+    offsets, *models = _models(limb, radius, ways, kinds)
 
     def see(k: int) -> None:
-        model, patch = models[float(ways[k])], as_patch(images[k])
-        rays = places[k] - patch.corner, model.offsets, DIRECTIONS
-        compare(patch.image, rays, model[1:], (seen.information[k], seen.pull[k], seen.variance[k]))
+        way, patch = way_of[k], as_patch(images[k])
+        factors, gram, lit = models
+        compare(
+            patch.image,
+            (places[k] - patch.corner, offsets[way], DIRECTIONS),
+            (factors[way], gram[way], lit[way]),
+            (seen.information[k], seen.pull[k], seen.variance[k]),
+        )
 
     side_by_side(see, len(images))
     return seen
 
 
-class _Model(NamedTuple):
-    """The model of one limb, linearized: what to multiply the levels on each ray with.
+class _Models(NamedTuple):
+    """The model of one limb, linearized, for several ways: what to multiply the levels on each ray with.
 
-    `offsets` (samples,) are distances from the rim, px. `factors` (rays, samples, 5 + 2 kinds, and as many
-    zeros as make it easier) give outer and inner level, the levels' share within the model, what is left along
-    the slopes of either level's shape by rim, blur and shading, or by the rim alone, and last shading · T.
-    `gram` (rays, 4, kinds²) are the products of those slopes, `lit` (rays, 5 + 2 kinds) are what the factors
-    make of shading · T itself.
+    `offsets` (ways, samples) are distances from the rim, px. `factors` (ways, rays, samples, 5 + 2 kinds, and
+    as many zeros as make it easier) give outer and inner level, the levels' share within the model, what is
+    left along the slopes of either level's shape by rim, blur and shading, or by the rim alone, and last
+    shading · T. `gram` (ways, rays, 4, kinds²) are the products of those slopes, `lit` (ways, rays, 5 + 2
+    kinds) are what the factors make of shading · T itself.
     """
 
     offsets: FloatArray
-    factors: npt.NDArray[np.float32]
-    gram: npt.NDArray[np.float32]
-    lit: npt.NDArray[np.float32]
+    factors: SingleArray
+    gram: SingleArray
+    lit: SingleArray
 
 
-def _model(limb: Limb, radius: float, way: float, kinds: int) -> _Model:
-    """Make the model of a ball of some radius that goes some way up or down during the exposure, px."""
-    reach = min(REACH_PX + way / 2, DEEPEST * radius)
-    offsets = np.linspace(-reach, reach, SAMPLES)
-    smeared = way * _SLANTS[:, None] / np.sqrt(12)
+def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
+    """Make the model of a ball of some radius that goes some ways up or down during the exposure, px."""
+    reach = np.minimum(REACH_PX + ways / 2, DEEPEST * radius)
+    offsets = reach[:, None] * np.linspace(-1.0, 1.0, SAMPLES)
+    smeared = ways[:, None, None] * _SLANTS[:, None] / np.sqrt(12)
 
-    def basis(shift: float = 0.0, blur: float = 0.0, shading: float = 0.0) -> FloatArray:
-        width = np.hypot(limb.blur + blur, smeared)
-        return _shapes(offsets - shift, width, limb.shading + shading, radius)
+    def shapes(shift: float = 0.0, blur: float = 0.0) -> FloatArray:
+        ball, light = _shapes(offsets[:, None] - shift, np.hypot(limb.blur + blur, smeared), radius)
+        return np.stack((1 - ball, ball + limb.shading * light))
 
+    light = _shapes(offsets[:, None], np.hypot(limb.blur, smeared), radius)[1]
     slopes = np.stack(
-        [(basis(**{name: SMALL}) - basis(**{name: -SMALL})) / (2 * SMALL) for name in SLOPES[:kinds]],
-        axis=1,
+        (
+            (shapes(shift=SMALL) - shapes(shift=-SMALL)) / (2 * SMALL),
+            (shapes(blur=SMALL) - shapes(blur=-SMALL)) / (2 * SMALL),
+            np.stack((np.zeros_like(light), light)),
+        )[:kinds]
+    ).reshape(2 * kinds, *light.shape)
+    levels, share = _solved(shapes())
+    left = slopes - sum(own * np.sum(own * slopes, axis=-1, keepdims=True) for own in share)
+    rows = np.concatenate((levels, share, left, limb.shading * light[None]))
+    lit = np.sum(rows * rows[-1], axis=-1)
+    apart = left.reshape(kinds, 2, *light.shape)
+    gram = np.einsum("keasn,lfasn->asefkl", apart, apart).reshape(*light.shape[:2], 4, kinds**2)
+    factors = np.zeros((*light.shape, -(-len(rows) // TOGETHER) * TOGETHER), dtype=np.float32)
+    factors[..., : len(rows)] = np.moveaxis(rows, 0, -1)
+    return _Models(
+        offsets=offsets,
+        factors=factors[:, _SLANT],
+        gram=gram[:, _SLANT].astype(np.float32),
+        lit=np.moveaxis(lit, 0, -1)[:, _SLANT].astype(np.float32),
     )
-    within, upper = np.linalg.qr(basis())
-    left = slopes - (within @ np.swapaxes(within, 1, 2))[:, None] @ slopes
-    flat = np.moveaxis(left, 2, 3).reshape(len(_SLANTS), -1, SAMPLES)
-    across = np.swapaxes(within, 1, 2)
-    light = basis()[..., 1] - basis(shading=-limb.shading)[..., 1]
-    rows = np.concatenate((np.linalg.solve(upper, across), across, flat, light[:, None]), axis=1)
-    lit = (rows @ light[..., None])[..., 0].astype(np.float32)
-    factors = np.zeros((len(_SLANTS), SAMPLES, -(-rows.shape[1] // TOGETHER) * TOGETHER), dtype=np.float32)
-    factors[..., : rows.shape[1]] = np.swapaxes(rows, 1, 2)
-    gram = (flat @ np.swapaxes(flat, 1, 2)).reshape(-1, kinds, 2, kinds, 2)
-    gram = gram.transpose(0, 2, 4, 1, 3).reshape(-1, 4, kinds**2).astype(np.float32)
-    return _Model(offsets=offsets, factors=factors[_SLANT], gram=gram[_SLANT], lit=lit[_SLANT])
 
 
-def _shapes(offsets: FloatArray, width: FloatArray, shading: float, radius: float) -> FloatArray:
-    """Give what outer and inner level are multiplied with along each ray: (rays, samples, 2)."""
+def _solved(shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """What to multiply levels with for the two that the shapes (2, ..., samples) are scaled by, least squares;
+    and for their share within the shapes, along two directions that are perpendicular (Gram and Schmidt).
+    """
+    first = shapes[0] / np.linalg.norm(shapes[0], axis=-1, keepdims=True)
+    along = np.sum(first * shapes[1], axis=-1, keepdims=True)
+    rest = shapes[1] - along * first
+    length = np.linalg.norm(rest, axis=-1, keepdims=True)
+    inner = rest / length**2
+    outer = (first - along * inner) / np.linalg.norm(shapes[0], axis=-1, keepdims=True)
+    return np.stack((outer, inner)), np.stack((first, rest / length))
+
+
+def _shapes(offsets: FloatArray, width: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+    """Give C, the share of ball in a pixel, and T, the root of the depth, blurred by some widths."""
     depth = -offsets / width
-    ball = ndtr(depth)
     bend = np.sqrt(1 - np.clip(-offsets, 0, radius) / (2 * radius))
-    light = np.sqrt(2 * width / radius) * np.interp(depth, _DEPTHS, _ROOTS) * bend
-    return np.stack((1 - ball, ball + shading * light), axis=-1)
+    return ndtr(depth), np.sqrt(2 * width / radius) * np.interp(depth, _DEPTHS, _ROOTS) * bend
