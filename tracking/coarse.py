@@ -19,6 +19,8 @@ LEAST_GAIN, MOST_GAIN = 0.5, 2.0
 SPARSE = 8  # coarse pixels from one that tells of flicker to the next
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
+MOST_BOXES = 1000
+AT_ONCE = 8  # rows in which nothing may be set
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
@@ -210,22 +212,39 @@ def windows_of(found: IntArray, shape: tuple[int, ...]) -> tuple[Window, ...]:
 @compiled
 def _boxes(marks: Image, beside: int) -> IntArray:
     """Boxes (top, bottom, left, right) about all that is set, and so much beside it; none overlap."""
-    found, count = np.empty((marks.size, 4), dtype=np.int32), 0
-    height, width = marks.shape
-    for row in range(height):
-        line, any_set = marks[row], np.uint8(0)
-        for column in range(width):
-            any_set |= line[column]
-        column = 0 if any_set else width
-        while column < width:
-            start = column
-            while column < width and line[column]:
-                column += 1
-            if column > start:  # a pixel of colour is two of brightness
-                top, left = (row - beside) // 2 * 2, (start - beside) // 2 * 2
-                count = _join(found, count, (top, row + 1 + beside, left, column + beside))
-            column += 1
+    found, count = np.empty((MOST_BOXES, 4), dtype=np.int64), 0
+    any_set = np.empty(marks.shape[1], dtype=np.uint8)
+    for first in range(0, len(marks), AT_ONCE):
+        some = marks[first : first + AT_ONCE]
+        _overlay(some, any_set)
+        for row in range(len(some) if any_set.max() else 0):
+            count = _add_runs(some[row], first + row, beside, found, count)
     return found[:count].copy()
+
+
+@part
+def _overlay(marks: Image, any_set: Image) -> None:
+    """Lay rows over each other."""
+    any_set[:] = 0
+    for row in range(len(marks)):
+        line = marks[row]
+        for column in range(len(line)):
+            any_set[column] |= line[column]
+
+
+@part
+def _add_runs(line: Image, row: int, beside: int, found: IntArray, count: int) -> int:
+    """Add boxes about all runs in a row to those found. Returns how many there are."""
+    column = 0
+    while column < len(line):
+        start = column
+        while column < len(line) and line[column]:
+            column += 1
+        if column > start:  # a pixel of colour is two of brightness
+            top, left = (row - beside) // 2 * 2, (start - beside) // 2 * 2
+            count = _join(found, count, (top, row + 1 + beside, left, column + beside))
+        column += 1
+    return count
 
 
 @part
@@ -234,7 +253,8 @@ def _join(found: IntArray, count: int, box: tuple[int, int, int, int]) -> int:
     top, bottom, left, right = box
     k = 0
     while k < count:
-        if top < found[k, 1] and found[k, 0] < bottom and left < found[k, 3] and found[k, 2] < right:
+        overlap = top < found[k, 1] and found[k, 0] < bottom and left < found[k, 3] and found[k, 2] < right
+        if overlap or count == len(found):  # so many are noise
             top, bottom = min(top, found[k, 0]), max(bottom, found[k, 1])
             left, right = min(left, found[k, 2]), max(right, found[k, 3])
             count -= 1
