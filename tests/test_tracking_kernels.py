@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 from clips import Clip
 
-from tracking.coarse import CHANGED_RANK, COARSE, coarsely, largest_change, mark_changes
+from tracking.blob_kernel import measured
+from tracking.boxes import boxes
+from tracking.coarse import CHANGED_RANK, COARSE, coarsely, gain_between, largest_change, mark_changes
+from tracking.differing import closed, difference
 from tracking.kept import Keeper
+from tracking.median import median_of
 from tracking.patch import patch_of
 from tracking.planes import Image, Planes, colours, cut
 from tracking.recording import View
@@ -48,11 +52,95 @@ def test_a_mark_lasts_and_then_fades() -> None:
     moved = still[0].copy(), still[1], still[2]
     moved[0][3, 4] += 50
     marks = np.zeros((20, 20), dtype=np.uint8)
-    mark_changes(moved, still, (1.0, 5.0), marks, lasting=2)
+    mark_changes(moved, still, (1.0, 5.0), marks, 2, (0, 0))
     assert np.argwhere(marks).tolist() == [[3, 4]]
     for left in (1, 0, 0):
-        mark_changes(still, still, (1.0, 5.0), marks, lasting=2)
+        mark_changes(still, still, (1.0, 5.0), marks, 2, (0, 0))
         assert marks.max() == left
+
+
+def test_a_part_of_a_picture_is_marked_where_it_differs_from_the_same_part_of_a_reference() -> None:
+    whole = noise(40, 40), noise(20, 20), noise(20, 20)
+    part = whole[0][8:28, 12:40].copy(), whole[1][4:14, 6:20].copy(), whole[2][4:14, 6:20]
+    part[0][3, 4] += 50
+    part[1][5, 7] += 50
+    marks = np.zeros(part[0].shape, dtype=np.uint8)
+    mark_changes(part, whole, (1.0, 5.0), marks, 1, (8, 12))
+    assert np.argwhere(marks).tolist() == [[3, 4], [10, 14], [10, 15], [11, 14], [11, 15]]
+
+
+@pytest.mark.parametrize("gain", [0.6, 0.9, 1.0, 1.3])
+def test_flicker_is_told_to_a_part_in_a_hundred(gain: float) -> None:
+    dark = noise(160, 120)
+    assert gain_between(np.rint(gain * dark).astype(np.uint8), dark) == pytest.approx(gain, rel=0.01)
+
+
+def test_boxes_hold_all_that_is_marked_with_room_about_it_and_none_overlap() -> None:
+    marks = (np.random.default_rng(1).random((90, 70)) < 0.002).astype(np.uint8)
+    found = boxes(marks, 3, (360, 280))
+    covered = np.zeros((360, 280), dtype=int)
+    for window in found:
+        covered[window] += 1
+    assert covered.max() == 1
+    for row, column in np.argwhere(marks):
+        near = (
+            slice(max(COARSE * (row - 3), 0), COARSE * (row + 4)),
+            slice(max(COARSE * (column - 3), 0), COARSE * (column + 4)),
+        )
+        assert covered[near].all()
+
+
+def test_more_places_than_any_scene_has_become_fewer_boxes() -> None:
+    marks = np.zeros((200, 200), dtype=np.uint8)
+    marks[::2, ::2] = 1
+    found = boxes(marks, 0, (800, 800))
+    assert 0 < len(found) <= 1000
+    covered = np.zeros((800, 800), dtype=bool)
+    for window in found:
+        covered[window] = True
+    assert covered[:: 2 * COARSE, :: 2 * COARSE].all()
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 10, 11])
+def test_the_median_picture_is_the_median_of_every_pixel(count: int) -> None:
+    pictures = noise(count, 30, 20)
+    np.testing.assert_array_equal(median_of(pictures), np.sort(pictures, axis=0)[(count - 1) // 2])
+
+
+@pytest.mark.parametrize("gain", [1.0, 1.2])
+@pytest.mark.parametrize("fewer", [1, 2])
+def test_a_difference_is_the_largest_of_the_planes_averaged(fewer: int, gain: float) -> None:
+    one, other = smooth(40, 62, fewer), smooth(40, 62, fewer)
+    one[1][10:14, 12:18] += 30
+    one[0][20:26, 30:50] -= 30
+    apart = cv2.absdiff(one[0], cv2.convertScaleAbs(other[0], alpha=gain))
+    colour = cv2.max(cv2.absdiff(one[1], other[1]), cv2.absdiff(one[2], other[2]))
+    strong = cv2.resize(cv2.convertScaleAbs(colour, alpha=1.5), (62, 40), interpolation=cv2.INTER_NEAREST)
+    expected = cv2.blur(cv2.max(apart, strong), (3, 3))
+    np.testing.assert_array_equal(difference(one, other, gain), expected)
+
+
+def test_gaps_are_closed_as_opencv_closes_them() -> None:
+    apart = noise(50, 70)
+    expected = cv2.morphologyEx((apart > 160).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+    np.testing.assert_array_equal(closed(apart, 160.0), expected)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_an_outline_has_the_area_of_its_pixels_and_the_hull_of_its_points(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    marks = np.zeros((80, 90), dtype=np.uint8)
+    for _ in range(3):
+        x, y, wide, high = (int(value) for value in rng.integers((10, 10, 3, 3), (80, 70, 25, 25)))
+        cv2.ellipse(marks, (x, y), (wide, high), float(rng.uniform(0, 180)), 0, 360, 1, -1)
+    outlines, _ = cv2.findContours(marks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    for outline in outlines:
+        box, area, spanned = measured(np.asarray(outline, dtype=np.int32))
+        filled = cv2.drawContours(np.zeros_like(marks), [outline], -1, 1, cv2.FILLED)
+        hull = cv2.convexHull(outline)
+        assert box == cv2.boundingRect(outline)
+        assert area == filled.sum()
+        assert spanned == pytest.approx(cv2.contourArea(hull) + cv2.arcLength(hull, closed=True) / 2 + 1)
 
 
 @pytest.mark.parametrize("fewer", [1, 2])

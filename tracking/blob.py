@@ -7,7 +7,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from tracking.differing import Box, closed, look_about, measured, sharp_part
+from tracking.blob_kernel import Box, look_about, measured, sharp_part
+from tracking.differing import closed
 from tracking.planes import Image, Planes
 
 MINIMUM_DIAMETER_PX = 5
@@ -84,7 +85,7 @@ def _outlines(marks: Image) -> Iterator[tuple[Box, float, float]]:
     outlines, _ = cv2.findContours(marks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     for outline in outlines:
         if len(outline) > FEWEST_POINTS:
-            box, area, hull = measured(outline)
+            box, area, hull = measured(np.asarray(outline, dtype=np.int32))
             if min(box[2:]) >= MINIMUM_DIAMETER_PX:
                 yield box, area, hull
 

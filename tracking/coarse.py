@@ -7,20 +7,19 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled, part, upper_median
-from tracking.planes import Image, Planes, Window
+from tracking.kernel import compiled, part
+from tracking.planes import Image, Planes
 
 IntArray = npt.NDArray[np.int64]
 
 COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
-LEAST_GAIN, MOST_GAIN = 0.5, 2.0
+MOST_GAIN = 2  # times as bright, or as dark
+FINELY = 1000  # steps of brightness are told apart, up to as bright
 SPARSE = 8  # coarse pixels from one that tells of flicker to the next
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
-MOST_BOXES = 1000
-AT_ONCE = 8  # rows in which nothing may be set
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
@@ -29,7 +28,11 @@ def coarsely(seen: Planes) -> Planes:
     """Look at a few pixels only, evenly spread; brightness averaged over three rows and columns."""
     down = 2 * COARSE // -(-seen[0].shape[0] // seen[1].shape[0])  # there may be less of colour
     right = 2 * COARSE // -(-seen[0].shape[1] // seen[1].shape[1])
-    return _averaged(_every(seen[0], COARSE, COARSE)), _every(seen[1], down, right), _every(seen[2], down, right)
+    return (
+        _averaged(_every(seen[0], COARSE, COARSE)),
+        _every(seen[1], down, right),
+        _every(seen[2], down, right),
+    )
 
 
 @part
@@ -72,13 +75,17 @@ def brightened(image: Image, gain: float) -> Image:
 @compiled
 def gain_between(image: Image, reference: Image) -> float:
     """How much brighter a picture is than another: flicker. Few of its pixels tell."""
-    down, right = -(-image.shape[0] // SPARSE), -(-image.shape[1] // SPARSE)
-    ratios = np.empty(down * right)
-    for row in range(down):
-        one, other = image[SPARSE * row], reference[SPARSE * row]
-        for column in range(right):
-            ratios[right * row + column] = (one[SPARSE * column] + 1) / (other[SPARSE * column] + 1)
-    return min(max(upper_median(ratios), LEAST_GAIN), MOST_GAIN)
+    counts, left = np.zeros(MOST_GAIN * FINELY, dtype=np.int64), 0
+    for row in range(0, len(image), SPARSE):
+        for column in range(0, image.shape[1], SPARSE):
+            ratio = FINELY * (image[row, column] + 1) // (reference[row, column] + 1)
+            counts[min(max(ratio, FINELY // MOST_GAIN), len(counts) - 1)] += 1
+            left += 1
+    ratio, left = 0, left // 2
+    while left >= counts[ratio]:
+        left -= counts[ratio]
+        ratio += 1
+    return (ratio + 0.5) / FINELY
 
 
 @compiled
@@ -123,7 +130,7 @@ def _dimmed(levels: Image, gain: float) -> Image:
 
 @part
 def _mark(
-    seen: Image, reference: Image, level: int, marks: Image, lasting: int, corner: tuple[int, int]
+    seen: Image, reference: Image, level: np.uint8, marks: Image, lasting: np.uint8, corner: tuple[int, int]
 ) -> None:
     """Mark where brightness differs by more than a level; other marks count down."""
     for row in range(len(marks)):
@@ -136,7 +143,12 @@ def _mark(
 
 @part
 def _mark_coloured(
-    coarse: Planes, reference: Planes, level: int, marks: Image, lasting: int, corner: tuple[int, int]
+    coarse: Planes,
+    reference: Planes,
+    level: np.uint8,
+    marks: Image,
+    lasting: np.uint8,
+    corner: tuple[int, int],
 ) -> None:
     """Mark where colour differs by more than a level; one pixel of colour is two of brightness."""
     apart = np.empty(coarse[1].shape[1], dtype=np.uint8)
@@ -170,97 +182,10 @@ def largest_change(before: Image, after: Image) -> float:
 
 
 @part
-def _ranked(counts: IntArray, least: int) -> int:
+def _ranked(counts: IntArray, least: np.uint8) -> np.uint8:
     """Highest level that `CHANGED_RANK` places reach, or the least if none above it is."""
     level, above = 255, counts[255]
     while level > least and above < CHANGED_RANK:
         level -= 1
         above += counts[level]
     return np.uint8(level)
-
-
-@compiled
-def noticed(
-    seen: Planes, reference: Planes, corner: tuple[int, int], change: tuple[float, float], beside: int
-) -> IntArray:
-    """Boxes about all places of a part of a picture that differ, at a coarse look, from a reference.
-
-    Parameters are those of `mark_changes` and of `_boxes`.
-    """
-    coarse = coarsely(seen)
-    marks = np.zeros_like(coarse[0])
-    mark_changes(coarse, reference, change, marks, 1, corner)
-    return _boxes(marks, beside)
-
-
-def boxes(marks: Image, beside: int, shape: tuple[int, ...]) -> tuple[Window, ...]:
-    """Windows, in pixels of a picture of some `shape`, around all that is set in marks on its coarse look."""
-    return windows_of(_boxes(marks, beside), shape)
-
-
-def windows_of(found: IntArray, shape: tuple[int, ...]) -> tuple[Window, ...]:
-    """Turn boxes on a coarse look into windows of a picture."""
-    return tuple(
-        (
-            slice(COARSE * max(top, 0), min(COARSE * bottom, shape[0])),
-            slice(COARSE * max(left, 0), min(COARSE * right, shape[1])),
-        )
-        for top, bottom, left, right in found.tolist()
-    )
-
-
-@compiled
-def _boxes(marks: Image, beside: int) -> IntArray:
-    """Boxes (top, bottom, left, right) about all that is set, and so much beside it; none overlap."""
-    found, count = np.empty((MOST_BOXES, 4), dtype=np.int64), 0
-    any_set = np.empty(marks.shape[1], dtype=np.uint8)
-    for first in range(0, len(marks), AT_ONCE):
-        some = marks[first : first + AT_ONCE]
-        _overlay(some, any_set)
-        for row in range(len(some) if any_set.max() else 0):
-            count = _add_runs(some[row], first + row, beside, found, count)
-    return found[:count].copy()
-
-
-@part
-def _overlay(marks: Image, any_set: Image) -> None:
-    """Lay rows over each other."""
-    any_set[:] = 0
-    for row in range(len(marks)):
-        line = marks[row]
-        for column in range(len(line)):
-            any_set[column] |= line[column]
-
-
-@part
-def _add_runs(line: Image, row: int, beside: int, found: IntArray, count: int) -> int:
-    """Add boxes about all runs in a row to those found. Returns how many there are."""
-    column = 0
-    while column < len(line):
-        start = column
-        while column < len(line) and line[column]:
-            column += 1
-        if column > start:  # a pixel of colour is two of brightness
-            top, left = (row - beside) // 2 * 2, (start - beside) // 2 * 2
-            count = _join(found, count, (top, row + 1 + beside, left, column + beside))
-        column += 1
-    return count
-
-
-@part
-def _join(found: IntArray, count: int, box: tuple[int, int, int, int]) -> int:
-    """Add a box to others that do not overlap; those that do become one. Returns how many there are."""
-    top, bottom, left, right = box
-    k = 0
-    while k < count:
-        overlap = top < found[k, 1] and found[k, 0] < bottom and left < found[k, 3] and found[k, 2] < right
-        if overlap or count == len(found):  # so many are noise
-            top, bottom = min(top, found[k, 0]), max(bottom, found[k, 1])
-            left, right = min(left, found[k, 2]), max(right, found[k, 3])
-            count -= 1
-            found[k] = found[count]
-            k = 0
-        else:
-            k += 1
-    found[count] = top, bottom, left, right
-    return count + 1

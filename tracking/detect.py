@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracking.blob import Blob, Whole, blobs_in
-from tracking.coarse import COARSE, boxes, brightened, coarsely, gain_between, noticed, windows_of
-from tracking.differing import difference, median_of
+from tracking.boxes import boxes
+from tracking.coarse import COARSE, brightened, coarsely, gain_between, mark_changes
+from tracking.differing import difference
+from tracking.median import median_of
 from tracking.planes import Planes, Window, copied, cut
 from tracking.recording import Recording, View, held_still
 
@@ -98,8 +100,10 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
 def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
     """List what differs from the background in a window, where a look at few pixels shows something."""
     rows, columns = window
-    change, few = (gain, COARSE_SHARE * background.threshold), (rows.start // COARSE, columns.start // COARSE)
-    places = windows_of(noticed(seen, background.coarse, few, change, BESIDE), seen[0].shape)
+    coarse, few = coarsely(seen), (rows.start // COARSE, columns.start // COARSE)
+    marks = np.zeros_like(coarse[0])
+    mark_changes(coarse, background.coarse, (gain, COARSE_SHARE * background.threshold), marks, 1, few)
+    places = boxes(marks, BESIDE, seen[0].shape)
     if not places:
         return []
     base, blobs = cut(background.planes, window), []

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from tracking.coarse import boxes, brightened, coarsely, gain_between, largest_change, mark_changes
+from tracking.boxes import boxes
+from tracking.coarse import brightened, coarsely, gain_between, largest_change, mark_changes
 from tracking.planes import Image, Planes, Window, copied, cut
 
 MOST_BYTES = 120_000_000  # all of the program then takes less than 500 MB, up to 1080p

@@ -2,15 +2,13 @@
 
 OpenCV and numpy do one small thing to a whole array at a time. Around a ball fifty pixels wide each such call
 costs more than its work, and Python's lock is held in between. The inner loops are therefore compiled, each
-doing all there is to do in one picture: they are in `coarse`, `patch`, `path`, `rim_kernel`, `limb_kernel`.
+doing all there is to do in one picture.
 """
 
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
-import numpy as np
-import numpy.typing as npt
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -32,23 +30,3 @@ inlined: Callable[[Function], Function] = njit(
     forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS
 )
 """The same for a small function that is called so often that the call itself would cost most."""
-
-
-@part
-def upper_median(values: npt.NDArray[np.float64]) -> float:
-    """Select the middle value, the upper one of an even number; the values change their order."""
-    low, high, wanted = 0, len(values) - 1, len(values) // 2
-    while low < high:
-        pivot, i, j = values[(low + high) // 2], low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i, j = i + 1, j - 1
-        if wanted > j and wanted < i:
-            break
-        low, high = (low, j) if wanted <= j else (i, high)
-    return float(values[wanted])

@@ -10,6 +10,7 @@ Image = npt.NDArray[np.uint8]
 SingleArray = npt.NDArray[np.float32]
 Four = tuple[np.float32, np.float32, np.float32, np.float32]
 Ray = tuple[FloatArray, FloatArray, FloatArray]
+Flags = npt.NDArray[np.bool_]
 Room = tuple[npt.NDArray[np.int64], SingleArray, SingleArray]
 
 COLOURS = 3
@@ -23,7 +24,7 @@ TOGETHER = 8  # products that a processor adds up at once
 @compiled
 def compare(
     image: Image,
-    rays: tuple[FloatArray, FloatArray, FloatArray],
+    rays: Ray,
     model: tuple[SingleArray, SingleArray, SingleArray],
     seen: tuple[FloatArray, FloatArray, FloatArray],
 ) -> None:
@@ -31,26 +32,21 @@ def compare(
 
     Parameters
     ----------
-    image : (height, width, 3) array
+    image : (height, width × 3) array
     rays : the circle (3,); offsets from it (samples,) and directions (rays, 2)
     model : factors, gram and lit of `limb_model`
-    seen : information (rays, kinds, kinds), pull (rays, kinds) and variance (rays,), as `Look` has them
+    seen : information (rays, kinds, kinds), pull (rays, kinds) and variance (rays,), as `Look` has them;
+        zeros and infinity on rays that leave the picture
     """
     factors, gram, lit = model
     information, pull, variance = seen
-    count, samples, width = factors.shape
-    light = REST + 2 * pull.shape[1]
-    products, squares = np.zeros((count, COLOURS, width), dtype=np.float32), np.zeros((count, COLOURS), dtype=np.float32)
-    levels, line = _singly(image), np.empty((COLOURS, samples), dtype=np.float32)
-    room = np.empty((2, samples), dtype=np.int64), np.empty((8, samples), dtype=np.float32), np.empty(4 * COLOURS, dtype=np.float32)
-    inside, brightest = np.empty(count, dtype=np.bool_), np.zeros(COLOURS, dtype=np.float32)
+    inside, products, squares = _seen_along(image, rays, factors)
+    count, light = len(inside), REST + 2 * pull.shape[1]
+    brightest = np.zeros(COLOURS, dtype=np.float32)
     for ray in range(count):
-        inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line)
-        for colour in range(COLOURS if inside[ray] else 0):
-            squares[ray, colour] = _multiply(line[colour], factors[ray], products[ray, colour])
+        for colour in range(COLOURS):
             brightest[colour] += products[ray, colour, INNER] / np.float32(count)
     for ray in range(count):
-        information[ray], pull[ray], variance[ray] = 0.0, 0.0, np.inf
         if inside[ray]:
             left = np.float32(0)
             for colour in range(COLOURS):
@@ -61,8 +57,25 @@ def compare(
                 for row in range(light):
                     own[row] += missing * lit[ray, row]
                 left -= own[SHARE] ** 2 + own[SHARE + 1] ** 2
-            variance[ray] = max(left, LEAST_LEFT) / (COLOURS * (samples - 2))
+            variance[ray] = max(left, LEAST_LEFT) / (COLOURS * (factors.shape[1] - 2))
             _tell(products[ray], gram[ray], information[ray], pull[ray])
+
+
+@part
+def _seen_along(image: Image, rays: Ray, factors: SingleArray) -> tuple[Flags, SingleArray, SingleArray]:
+    """Multiply the levels along all rays with factors: which rays lie inside, products, sums of squares."""
+    count, samples, width = factors.shape
+    inside = np.empty(count, dtype=np.bool_)
+    products = np.zeros((count, COLOURS, width), dtype=np.float32)
+    squares = np.zeros((count, COLOURS), dtype=np.float32)
+    levels, line = _singly(image), np.empty((COLOURS, samples), dtype=np.float32)
+    near, weights = np.empty(4 * COLOURS, dtype=np.float32), np.empty((8, samples), dtype=np.float32)
+    room = np.empty((2, samples), dtype=np.int64), weights, near
+    for ray in range(count):
+        inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line)
+        for colour in range(COLOURS if inside[ray] else 0):
+            squares[ray, colour] = _multiply(line[colour], factors[ray], products[ray, colour])
+    return inside, products, squares
 
 
 @part
@@ -105,13 +118,11 @@ def _both(products: SingleArray, one: int, other: int) -> np.float32:
 
 @part
 def _singly(image: Image) -> SingleArray:
-    """Give the levels of a picture as numbers (rows, columns × colours)."""
-    height, width, _ = image.shape
-    levels = np.empty((height, COLOURS * width), dtype=np.float32)
-    flat = image.reshape(height, COLOURS * width)
-    for row in range(height):
-        for k in range(COLOURS * width):
-            levels[row, k] = flat[row, k]
+    """Give levels as numbers of single precision."""
+    levels = np.empty(image.shape, dtype=np.float32)
+    for row in range(len(image)):
+        for k in range(image.shape[1]):
+            levels[row, k] = image[row, k]
     return levels
 
 
@@ -119,8 +130,8 @@ def _singly(image: Image) -> SingleArray:
 def _sample(levels: SingleArray, ray: Ray, room: Room, line: SingleArray) -> bool:
     """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture.
 
-    A ray is a circle (3,), offsets from it (samples,) and a direction (2,). `room` is for corners (2, samples)
-    and weights (8, samples) of the neighbours of each place.
+    A ray is a circle (3,), offsets from it (samples,) and a direction (2,). `room` is for the corners (2,
+    samples) and weights (8, samples) of the neighbours of each place, and for four columns of them.
     """
     circle, offsets, direction = ray
     corners, weights, near = room
@@ -132,8 +143,12 @@ def _sample(levels: SingleArray, ray: Ray, room: Room, line: SingleArray) -> boo
             return False
         i, j = int(y), int(x)
         corners[0, sample], corners[1, sample] = i - 1, COLOURS * (j - 1)
-        weights[0, sample], weights[1, sample], weights[2, sample], weights[3, sample] = _cubic(np.float32(y - i))
-        weights[4, sample], weights[5, sample], weights[6, sample], weights[7, sample] = _cubic(np.float32(x - j))
+        weights[0, sample], weights[1, sample], weights[2, sample], weights[3, sample] = _cubic(
+            np.float32(y - i)
+        )
+        weights[4, sample], weights[5, sample], weights[6, sample], weights[7, sample] = _cubic(
+            np.float32(x - j)
+        )
     for sample in range(len(offsets)):
         row, left, right = corners[0, sample], corners[1, sample], corners[1, sample] + len(near)
         above, own = levels[row, left:right], levels[row + 1, left:right]

@@ -79,7 +79,7 @@ def look(
 ) -> Look:
     """Compare the levels along all rays with the model, linearized about the circles at `places`."""
     count = (len(images), len(ANGLES))
-    seen = Look(np.empty((*count, kinds, kinds)), np.empty((*count, kinds)), np.empty(count))
+    seen = Look(np.zeros((*count, kinds, kinds)), np.zeros((*count, kinds)), np.full(count, np.inf))
     radius = float(np.median(places[:, 2])) if len(places) else 1.0
     ways, way_of = np.unique(np.round(blur), return_inverse=True)
     offsets, *models = _models(limb, radius, ways, kinds)
@@ -88,7 +88,7 @@ def look(
         way, patch = way_of[k], as_patch(images[k])
         factors, gram, lit = models
         compare(
-            patch.image,
+            patch.image.reshape(len(patch.image), -1),
             (places[k] - patch.corner, offsets[way], DIRECTIONS),
             (factors[way], gram[way], lit[way]),
             (seen.information[k], seen.pull[k], seen.variance[k]),
@@ -149,8 +149,10 @@ def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
 
 
 def _solved(shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What to multiply levels with for the two that the shapes (2, ..., samples) are scaled by, least squares;
-    and for their share within the shapes, along two directions that are perpendicular (Gram and Schmidt).
+    """Fit levels by two shapes (2, ..., samples): what to multiply them with, for least squares.
+
+    The first two give how much there is of each shape, the others the levels' share within them, along two
+    directions that are perpendicular (Gram and Schmidt).
     """
     first = shapes[0] / np.linalg.norm(shapes[0], axis=-1, keepdims=True)
     along = np.sum(first * shapes[1], axis=-1, keepdims=True)
