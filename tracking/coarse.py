@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.kernel import compiled, part
+from tracking.median import upper_median
 from tracking.planes import Image, Planes
 
 IntArray = npt.NDArray[np.int64]
@@ -15,8 +16,7 @@ IntArray = npt.NDArray[np.int64]
 COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
-MOST_GAIN = 2  # times as bright, or as dark
-FINELY = 1000  # steps of brightness are told apart, up to as bright
+LEAST_GAIN, MOST_GAIN = 0.5, 2.0
 SPARSE = 8  # coarse pixels from one that tells of flicker to the next
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
@@ -75,17 +75,13 @@ def brightened(image: Image, gain: float) -> Image:
 @compiled
 def gain_between(image: Image, reference: Image) -> float:
     """How much brighter a picture is than another: flicker. Few of its pixels tell."""
-    counts, left = np.zeros(MOST_GAIN * FINELY, dtype=np.int64), 0
-    for row in range(0, len(image), SPARSE):
+    ratios = np.empty(-(-image.shape[0] // SPARSE) * -(-image.shape[1] // SPARSE))
+    number = 0
+    for row in range(0, image.shape[0], SPARSE):
         for column in range(0, image.shape[1], SPARSE):
-            ratio = FINELY * (image[row, column] + 1) // (reference[row, column] + 1)
-            counts[min(max(ratio, FINELY // MOST_GAIN), len(counts) - 1)] += 1
-            left += 1
-    ratio, left = 0, left // 2
-    while left >= counts[ratio]:
-        left -= counts[ratio]
-        ratio += 1
-    return (ratio + 0.5) / FINELY
+            ratios[number] = (image[row, column] + 1) / (reference[row, column] + 1)
+            number += 1
+    return min(max(upper_median(ratios), LEAST_GAIN), MOST_GAIN)
 
 
 @compiled

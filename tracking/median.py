@@ -1,9 +1,30 @@
-"""The median of some pictures, compiled."""
+"""Compiled medians: of some numbers, and of some pictures."""
 
 import numpy as np
+import numpy.typing as npt
 
 from tracking.kernel import compiled, part
 from tracking.planes import Image
+
+
+@part
+def upper_median(values: npt.NDArray[np.float64]) -> float:
+    """Select the middle value, the upper one of an even number; the values change their order."""
+    low, high, wanted = 0, len(values) - 1, len(values) // 2
+    while low < high:
+        pivot, i, j = values[(low + high) // 2], low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        if wanted > j and wanted < i:
+            break
+        low, high = (low, j) if wanted <= j else (i, high)
+    return float(values[wanted])
 
 
 @compiled

@@ -101,7 +101,7 @@ def truth(scene: DropScene) -> dict[str, Any]:
 
 
 def write_recording(
-    scene: DropScene, path: Path, *, crf: int | None = 20, preset: str = "ultrafast"
+    scene: DropScene, path: Path | str, *, crf: int | None = 20, preset: str = "ultrafast"
 ) -> dict[str, Any]:
     """Write the video to `path` and its truth beside it, as JSON with the same name.
 
@@ -109,7 +109,7 @@ def write_recording(
     ----------
     scene : DropScene
         What to film.
-    path : Path
+    path : Path or str
         Video file to write, as in ``two-06.mp4``.
     crf : int or None
         Strength of the compression: None none at all, 0 of colour only, 20 good, 35 poor.
@@ -121,7 +121,7 @@ def write_recording(
     dict
         The truth.
     """
-    shown, camera = truth(scene), scene.camera
+    path, shown, camera = Path(path), truth(scene), scene.camera
     stretch = camera.fps / shown["file_fps"]
     times = frame_times(scene, play(scene)) * stretch if camera.jitter else None
     clear_places(path)

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.kernel import compiled, part
+from tracking.median import upper_median
 
 FloatArray = npt.NDArray[np.float64]
 SingleArray = npt.NDArray[np.float32]
@@ -59,7 +60,7 @@ def see_rim(image: Image, corner: FloatArray, circle: FloatArray, ways: Pair, po
             points[ray, 1] = corner[1] + (y + down * distance)
             contrasts[seen] = np.sqrt(_square_apart(line, 0, count - 1))
             seen += 1
-    return _upper_median(contrasts[:seen]) if seen else np.inf
+    return upper_median(contrasts[:seen]) if seen else np.inf
 
 
 @part
@@ -113,26 +114,6 @@ def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> fl
         total += weight
         moment += weight * k
     return moment / max(total, 1e-9) + 0.5
-
-
-@part
-def _upper_median(values: FloatArray) -> float:
-    """Select the middle value, the upper one of an even number; the values change their order."""
-    low, high, wanted = 0, len(values) - 1, len(values) // 2
-    while low < high:
-        pivot, i, j = values[(low + high) // 2], low, high
-        while i <= j:
-            while values[i] < pivot:
-                i += 1
-            while values[j] > pivot:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i, j = i + 1, j - 1
-        if wanted > j and wanted < i:
-            break
-        low, high = (low, j) if wanted <= j else (i, high)
-    return float(values[wanted])
 
 
 @compiled
@@ -197,7 +178,7 @@ def _weigh(points: FloatArray, circle: FloatArray, offsets: FloatArray, agreemen
             offsets[ray, 2] = distance - circle[2]
             sizes[seen] = abs(offsets[ray, 2])
             seen += 1
-    limit = TUKEY * max(1.4826 * _upper_median(sizes[:seen]), LEAST_SCALE_PX)
+    limit = TUKEY * max(1.4826 * upper_median(sizes[:seen]), LEAST_SCALE_PX)
     for ray in range(RAYS):
         agreement[ray] = 0.0
         if np.isfinite(points[ray, 0]):
