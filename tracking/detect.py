@@ -9,7 +9,7 @@ from tracking.boxes import boxes
 from tracking.coarse import COARSE, brightened, coarsely, gain_between, mark_changes
 from tracking.differing import difference
 from tracking.median import median_of
-from tracking.planes import Planes, Window, copied, cut
+from tracking.planes import Image, Planes, Window, copied, cut
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
@@ -60,12 +60,15 @@ def _alike(recording: Recording) -> list[Planes]:
     if len(recording.pictures) != 1:
         return list(looks.values())
     first = recording.pictures[0]
-    gains = [
-        gain_between(look[0][::COARSE, ::COARSE], first[0][::COARSE, ::COARSE]) for look in looks.values()
-    ]
+    gains = [gain_between(_few(look), _few(first)) for look in looks.values()]
     return [
         (brightened(look[0], 1 / gain), *look[1:]) for look, gain in zip(looks.values(), gains, strict=True)
     ]
+
+
+def _few(look: Planes) -> Image:
+    """Take few pixels of brightness, evenly spread."""
+    return np.ascontiguousarray(look[0][::COARSE, ::COARSE])
 
 
 def _ever_changed(recording: Recording) -> tuple[Window, ...]:

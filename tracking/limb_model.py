@@ -140,12 +140,8 @@ def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
     gram = np.einsum("keasn,lfasn->asefkl", apart, apart).reshape(*light.shape[:2], 4, kinds**2)
     factors = np.zeros((*light.shape, -(-len(rows) // TOGETHER) * TOGETHER), dtype=np.float32)
     factors[..., : len(rows)] = np.moveaxis(rows, 0, -1)
-    return _Models(
-        offsets=offsets,
-        factors=factors[:, _SLANT],
-        gram=gram[:, _SLANT].astype(np.float32),
-        lit=np.moveaxis(lit, 0, -1)[:, _SLANT].astype(np.float32),
-    )
+    each_ray = (np.take(values, _SLANT, axis=1) for values in (factors, gram, np.moveaxis(lit, 0, -1)))
+    return _Models(offsets, *(np.ascontiguousarray(values, dtype=np.float32) for values in each_ray))
 
 
 def _solved(shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
