@@ -110,7 +110,7 @@ def process_one(trial: Trial, batch: Batch) -> Record:
         told = told_of(trial, overlays=batch.overlays)
         kept = finished_record(batch.out, trial.name, told) if batch.resume else None
         if kept is not None:
-            return kept
+            return replace(kept, kept=True)
         forget(batch.out, trial.name)
         record: Record = apart("experiments.process:process", trial, told, batch.out, limits=batch.limits)
         return record

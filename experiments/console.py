@@ -1,6 +1,7 @@
 """What a person at a terminal sees while recordings are processed: progress, remarks, one line an impact."""
 
 import sys
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from math import atan2, degrees, hypot
 from typing import Any, TypeVar
@@ -56,12 +57,30 @@ def impact_lines(record: Record, width: int) -> Iterator[str]:
         yield f"{start}  {_columns(columns(row))}  {row['status']}"
 
 
-def complaints(record: Record) -> Iterator[str]:
-    """Remarks on a recording, and the reason of each impact that is not ok."""
-    yield from (f"{record.name}: {remark}" for remark in record.remarks)
+def complaints(record: Record, said: Counter[str]) -> Iterator[str]:
+    """Remarks on a recording, and the reason of each impact that is not ok.
+
+    What begins as a remark on another recording did is only counted in `said`.
+    """
+    for remark in record.remarks:
+        said[_opening(remark)] += 1
+        if said[_opening(remark)] == 1:
+            yield f"{record.name}: {remark}"
     for row in record.rows:
         if row["status"] != "ok":
             yield f"{record.name}, impact {row['impact']}: {row['status']}: {row['reason']}"
+
+
+def said_again(said: Mapping[str, int]) -> Iterator[str]:
+    """Tell on how many more recordings remarks began alike."""
+    for opening, times in said.items():
+        if times > 1:
+            yield f"on {times - 1} more: {opening} …"
+
+
+def _opening(remark: str) -> str:
+    """Give the words of a remark before its first comma."""
+    return remark.partition(",")[0]
 
 
 def _drop_columns(row: Row) -> list[str]:

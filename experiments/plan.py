@@ -27,7 +27,9 @@ def plan(
     repeatability: Annotated[
         float, typer.Option(help="Relative scatter of rebounds from trial to trial.")
     ] = 0.02,
-    mass: Annotated[list[float], typer.Option(help="Of a ball at hand, kg; name several.")] = [0.0027],  # noqa: B006
+    mass: Annotated[
+        list[float], typer.Option(help="Of a ball at hand, kg; name several: each is paired with each.")
+    ] = [0.0027],  # noqa: B006
     two: Annotated[int, typer.Option(help="Two-ball trials with the first mass on its like.")] = 10,
     held: Annotated[int, typer.Option(help="Drops on a held ball.")] = 8,
     plate: Annotated[int, typer.Option(help="Drops on the plate.")] = 8,

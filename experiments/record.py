@@ -44,6 +44,8 @@ class Record:
         What was written besides, relative to the folder of the run.
     fits : list of dict
         What was fitted to the tracks: `ball`, and columns `time`, `x`, `y`.
+    kept : bool
+        Whether it was measured by an earlier run; that is not written down.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Record:
     remarks: Sequence[str] = ()
     files: Sequence[str] = ()
     fits: Sequence[Mapping[str, Any]] = ()
+    kept: bool = False
 
 
 def told_of(trial: Trial, *, overlays: bool) -> dict[str, Any]:
@@ -76,7 +79,9 @@ def lost_record(trial: Trial, reason: str) -> Record:
 
 def write_record(record: Record, out: Path) -> Record:
     """Write a record to its place in `out`, and give it as it will be read again."""
-    text = json.dumps(plain(asdict(record)), indent=1, ensure_ascii=False, allow_nan=False)
+    known = asdict(record)
+    del known["kept"]
+    text = json.dumps(plain(known), indent=1, ensure_ascii=False, allow_nan=False)
     write_whole(_place(out, record.name), text + "\n")
     return Record(**json.loads(text))
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing, suppress
 from pathlib import Path
@@ -112,6 +113,7 @@ def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: 
     from experiments.batch import in_order, process_all
 
     records: list[Record] = []
+    said: Counter[str] = Counter()
     total, width, headline = len(trials), console.name_width(trial.name for trial in trials), ""
     try:
         with (
@@ -122,11 +124,16 @@ def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: 
                 records.append(record)
                 if not as_json:
                     headline = show(record, headline, width)
-                for line in () if quiet else console.complaints(record):
+                for line in () if quiet else console.complaints(record, said):
                     typer.echo(line, err=True)
     except KeyboardInterrupt:
         typer.echo("impactlab: stopped; what is finished is kept, go on with --resume", err=True)
         return INTERRUPTED
+    for line in () if quiet else console.said_again(said):
+        typer.echo(line, err=True)
+    if batch.resume and not quiet:
+        kept = sum(record.kept for record in records)
+        typer.echo(f"{kept} of {total} trials were finished before and are kept", err=True)
     if as_json:
         print_json([row for record in records for row in record.rows])
     failed = any(row["status"] == "failed" for record in records for row in record.rows)
