@@ -87,3 +87,9 @@ def test_uneven_time_stamps_are_read_to_a_hundredth_of_a_millisecond() -> None:
 def test_bias_is_told_with_its_standard_error() -> None:
     row = biased("velocity", np.array([0.001, 0.003]), 0.3)
     assert row == Measured(quantity="velocity (± 0.1)", value=pytest.approx(0.2), unit="%", most=0.3)
+
+
+def test_a_small_ball_before_a_wall_of_its_hue_keeps_its_size() -> None:
+    filmed = film(drop(8, 20_086), 23)
+    assert filmed.track.radius == pytest.approx(8, rel=0.05)
+    assert len(filmed.track.frame) > 60

@@ -26,7 +26,12 @@ DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a 
 
 
 def measure_radius(
-    recording: Recording, candidates: Mapping[int, Sequence[Blob]], path: Mapping[int, Blob], guess: float
+    recording: Recording,
+    candidates: Mapping[int, Sequence[Blob]],
+    path: Mapping[int, Blob],
+    guess: float,
+    *,
+    part: bool = True,
 ) -> float:
     """Measure a ball's radius on some of the pictures in which it is least smeared by its motion.
 
@@ -41,6 +46,8 @@ def measure_radius(
     path : the one that is the ball, or part of it
     guess : float
         Radius in px as the patches tell it; cut at half contrast they are too small.
+    part : bool
+        Whether the path may be that of a part of the ball.
 
     Returns
     -------
@@ -54,7 +61,7 @@ def measure_radius(
         cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * guess)
         found.append((cutting, [(ball.x, ball.y, size * guess) for size in STARTING_SIZES]))
     circles = [_sharpest(fitted) for fitted in _settled(found, REACH)]
-    if _doubt(circles) > DOUBTFUL:
+    if part and _doubt(circles) > DOUBTFUL:
         agreed = [
             _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, sharpest)
         ]

@@ -23,11 +23,13 @@ from tracking.video import Recording, revisit
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
+KEPT = 0.55  # of the frames of a path are found again with the right radius
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.85  # of what scatters more than rims tell: compression errs as much alike at like height
 SHADING_SD = 0.22  # of how far a ball's shading moves its rim
+COMPRESSION_SD = 1.3  # of what frames share: compression moves a ball's rim in all of them alike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +107,7 @@ def track_balls(
     candidates = _candidates(recording)
     path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
-        radius = measure_radius(recording, candidates, path, rough)
+        radius = _radius_on(path, rough, candidates, recording)
         path, _ = _find_ball(recording, candidates, radius)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
@@ -145,6 +147,16 @@ def _find_ball(
             "fast, and check --ball-diameter and the scale"
         )
     return path, radius
+
+
+def _radius_on(
+    path: Mapping[int, Blob], rough: float, candidates: Mapping[int, Sequence[Blob]], recording: Recording
+) -> float:
+    """Measure the radius of the ball on a path; one that loses the path is that of something else."""
+    radius = measure_radius(recording, candidates, path, rough)
+    if len(_choose_path(candidates, radius)) < KEPT * len(path):
+        return measure_radius(recording, candidates, path, rough, part=False)
+    return radius
 
 
 def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dict[int, Blob]:
@@ -206,6 +218,8 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
     rims = np.maximum([(c.x_sd, c.y_sd) for _, c in seen], FINEST_PX).reshape(-1, 2)
     # compression moves all of a ball, and no rim tells
     unseen = np.sqrt(np.maximum(path_scatter(frame, places) ** 2 - np.median(rims**2, axis=0), 0.0))
+    shared = SHARED * float(np.hypot(*unseen)) / np.sqrt(2)
+    shading = float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2)
     return Track(
         ball=ball,
         unit="px",
@@ -218,8 +232,8 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
-        shared_sd=SHARED * float(np.hypot(*unseen)) / np.sqrt(2),
-        offset_sd=SHADING_SD * float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2),
+        shared_sd=shared,
+        offset_sd=float(np.hypot(SHADING_SD * shading, COMPRESSION_SD * shared)),
         sizes=np.array([s.circle.radius for s, _ in seen]),
     )
 
