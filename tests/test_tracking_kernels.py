@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from clips import Clip
 
+from tracking.blob import MINIMUM_DIAMETER_PX, Whole, blobs_in
 from tracking.blob_kernel import measured
 from tracking.boxes import boxes
 from tracking.coarse import CHANGED_RANK, COARSE, coarsely, gain_between, largest_change, mark_changes
@@ -124,6 +125,14 @@ def test_gaps_are_closed_as_opencv_closes_them() -> None:
     apart = noise(50, 70)
     expected = cv2.morphologyEx((apart > 160).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     np.testing.assert_array_equal(closed(apart, 160.0), expected)
+
+
+def test_the_smallest_ball_is_a_patch() -> None:
+    planes = noise(40, 40) // 4 + 60, np.full((20, 20), 128, np.uint8), np.full((20, 20), 128, np.uint8)
+    apart = np.zeros((40, 40), dtype=np.uint8)
+    cv2.circle(apart, (20, 20), MINIMUM_DIAMETER_PX // 2, 50, cv2.FILLED)
+    (ball,) = blobs_in(apart, 10.0, Whole(apart.shape, planes, planes, (0, 0)), (0, 0))
+    assert (ball.x, ball.y, ball.width, ball.height) == (20, 20, MINIMUM_DIAMETER_PX, MINIMUM_DIAMETER_PX)
 
 
 @pytest.mark.parametrize("seed", range(20))

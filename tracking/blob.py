@@ -13,7 +13,7 @@ from tracking.planes import Image, Planes
 
 MINIMUM_DIAMETER_PX = 5
 CUT_SHARE = 0.9  # a cut that leaves more than this of a patch tells nothing new
-FEWEST_POINTS = 3 * (MINIMUM_DIAMETER_PX - 1)  # of an outline so wide and high
+FEWEST_POINTS = 2 * (MINIMUM_DIAMETER_PX - 1)  # of an outline so wide and high: there and back, aslant
 GHOSTLY = 0.5  # of how much the background stands out
 
 
@@ -84,7 +84,7 @@ def _outlines(marks: Image) -> Iterator[tuple[Box, float, float]]:
     """Box, area with holes filled and with bays filled, of each marked patch that could be a ball."""
     outlines, _ = cv2.findContours(marks, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     for outline in outlines:
-        if len(outline) > FEWEST_POINTS:
+        if len(outline) >= FEWEST_POINTS:
             box, area, hull = measured(np.asarray(outline, dtype=np.int32))
             if min(box[2:]) >= MINIMUM_DIAMETER_PX:
                 yield box, area, hull

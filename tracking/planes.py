@@ -44,11 +44,6 @@ def colours(of: Planes) -> Image:
     return np.asarray(cv2.cvtColor(cv2.merge((brightness, red, blue)), cv2.COLOR_YCrCb2BGR), dtype=np.uint8)
 
 
-def above(image: Image, level: float) -> Image:
-    """Mark with 1 what is brighter than a level."""
-    return np.asarray(cv2.threshold(image, level, 1, cv2.THRESH_BINARY)[1], dtype=np.uint8)
-
-
 def enlarged(plane: Image, shape: tuple[int, ...], how: int) -> Image:
     """Make a plane of colour as large as the brightness."""
     if plane.shape == shape:

@@ -107,8 +107,7 @@ def track_balls(
     candidates = _candidates(recording)
     path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
-        radius = _radius_on(path, rough, candidates, recording)
-        path, _ = _find_ball(recording, candidates, radius)
+        path, radius = _measured(path, rough, candidates, recording)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
     if lower is not None:
@@ -149,14 +148,19 @@ def _find_ball(
     return path, radius
 
 
-def _radius_on(
+def _measured(
     path: Mapping[int, Blob], rough: float, candidates: Mapping[int, Sequence[Blob]], recording: Recording
-) -> float:
-    """Measure the radius of the ball on a path; one that loses the path is that of something else."""
+) -> tuple[dict[int, Blob], float]:
+    """Measure the radius of the ball on a path, and choose the path again by it.
+
+    A radius that loses the path is that of something else.
+    """
     radius = measure_radius(recording, candidates, path, rough)
-    if len(_choose_path(candidates, radius)) < KEPT * len(path):
-        return measure_radius(recording, candidates, path, rough, part=False)
-    return radius
+    again = _choose_path(candidates, radius)
+    if len(again) >= KEPT * len(path):
+        return again, radius
+    radius = measure_radius(recording, candidates, path, rough, part=False)
+    return _find_ball(recording, candidates, radius)
 
 
 def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dict[int, Blob]:
