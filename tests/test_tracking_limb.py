@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from tracking.circle import Circle, locate_circle
-from tracking.kept import Keeper, laid_over
 from tracking.limb import Limb, measure_limb, sharpen
-from tracking.planes import Image, Planes
+from tracking.planes import Image
 from tracking.render import Look, render_ball
 
 PLACE, RADIUS, NOISE = (30.3, 29.6), 15.0, 3.0
@@ -64,20 +63,3 @@ def test_ball_that_leaves_the_picture_is_seen_by_the_rays_that_stay() -> None:
     _, circles = sharpen(images, [circle] * 4, np.zeros(4), Limb(blur=0.6, shading=0.0))
     found = [one for one in circles if one is not None]
     assert np.abs(off(found) + np.array((19, 0))).max() < 0.1
-
-
-def test_ball_that_passes_where_the_kept_picture_shows_one_is_shown_where_it_is() -> None:
-    shown = [as_planes(x) for x in (40.0, 50.0, 60.0, 50.0, 40.5, 30.0)]
-    keeper = Keeper()
-    for planes in shown:
-        keeper.look(planes)
-    again = [laid_over(keeper.pictures[kept.picture], kept)[0] for kept in keeper.frames]
-    for (brightness, *_), seen in zip(shown, again, strict=True):
-        assert np.abs(brightness.astype(int) - seen).max() <= 1
-
-
-def as_planes(x: float) -> Planes:
-    wall = np.full((120, 200, 3), 110, np.float32)
-    render_ball(wall, (x, 60.0), 8.0, Look(colour=(170, 170, 170), shading=0))
-    colour = np.full((60, 100), 128, np.uint8)
-    return wall[..., 0].astype(np.uint8), colour, colour

@@ -8,7 +8,7 @@ from tracking.blob import Blob, Whole, blobs_in
 from tracking.boxes import boxes
 from tracking.coarse import COARSE, brightened, coarsely, gain_between, mark_changes
 from tracking.differing import difference
-from tracking.median import median_of
+from tracking.kept import Part, ever_changed, usual_picture
 from tracking.planes import Image, Planes, Window, copied, cut
 from tracking.recording import Recording, View, held_still
 
@@ -37,16 +37,15 @@ def make_background(recording: Recording) -> Background:
 
     Where nothing ever changed, one picture is as good.
     """
-    windows = _ever_changed(recording)
     looks = _alike(recording)
     whole, deviations = copied(looks[len(looks) // 2]), []
-    for window in windows:
-        parts = [cut(look, window) for look in looks]
-        brightness, blue, red = (median_of(np.stack(samples)) for samples in zip(*parts, strict=True))
-        for plane, middle in zip(cut(whole, window), (brightness, blue, red), strict=True):
-            plane[:] = middle
+    for window in _ever_changed(recording):
+        parts = [copied(cut(look, window)) for look in looks]
+        usual = usual_picture(parts)
+        for place, plane in zip(cut(whole, window), usual, strict=True):
+            place[:] = plane
         for part in parts[::3]:
-            apart = difference(copied(part), (brightness, blue, red), 1.0)
+            apart = difference(part, usual, 1.0)
             deviations.append(float(np.median(apart[::3, ::3])))
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)
@@ -75,16 +74,7 @@ def _ever_changed(recording: Recording) -> tuple[Window, ...]:
     """Windows outside of which no frame differs from any other; all of the picture if nobody looked."""
     if len(recording.pictures) != 1:
         return ((slice(0, recording.size[0]), slice(0, recording.size[1])),)
-    changed = np.zeros([-(-side // COARSE) for side in recording.size], dtype=np.uint8)
-    for kept in recording.kept:
-        for rows, columns in kept.windows:
-            changed[_coarsely(rows), _coarsely(columns)] = 1
-    return boxes(changed, 1, recording.size)
-
-
-def _coarsely(pixels: slice) -> slice:
-    """Turn rows or columns of a picture into those of its coarse look."""
-    return slice(pixels.start // COARSE, -(-pixels.stop // COARSE))
+    return ever_changed(recording.kept, recording.size)
 
 
 def find_blobs(view: View, background: Background) -> list[Blob]:
@@ -93,23 +83,28 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
     The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
     from its fainter shadow or reflection.
     """
-    windows, gain = view.changed, 1.0
-    if windows is None:
-        windows = ((slice(0, view.size[0]), slice(0, view.size[1])),)
-        gain = gain_between(coarsely(view.cut(windows[0]))[0], background.coarse[0])
-    return [blob for window in windows for blob in _blobs_within(view.cut(window), background, gain, window)]
+    parts, gain = view.changed, 1.0
+    if parts is None:
+        parts = (_whole(view),)
+        gain = gain_between(parts[0].coarse[0], background.coarse[0])
+    return [blob for part in parts for blob in _blobs_within(part, background, gain)]
 
 
-def _blobs_within(seen: Planes, background: Background, gain: float, window: Window) -> list[Blob]:
-    """List what differs from the background in a window, where a look at few pixels shows something."""
-    rows, columns = window
-    coarse, few = coarsely(seen), (rows.start // COARSE, columns.start // COARSE)
-    marks = np.zeros_like(coarse[0])
+def _whole(view: View) -> Part:
+    """Look at few pixels of a whole picture."""
+    planes = view.planes
+    return Part((slice(0, view.size[0]), slice(0, view.size[1])), planes, coarsely(planes))
+
+
+def _blobs_within(part: Part, background: Background, gain: float) -> list[Blob]:
+    """List what differs from the background in a part of a picture where a coarse look shows something."""
+    (rows, columns), seen, coarse = part
+    marks, few = np.zeros_like(coarse[0]), (rows.start // COARSE, columns.start // COARSE)
     mark_changes(coarse, background.coarse, (gain, COARSE_SHARE * background.threshold), marks, 1, few)
     places = boxes(marks, BESIDE, seen[0].shape)
     if not places:
         return []
-    base, blobs = cut(background.planes, window), []
+    base, blobs = cut(background.planes, part.window), []
     whole = Whole(background.planes[0].shape, seen, base, (columns.start, rows.start))
     for place in places:
         apart = difference(copied(cut(seen, place)), copied(cut(base, place)), gain)

@@ -1,33 +1,53 @@
 """What is kept of a recording in memory: a picture, and of the others only the places that differ from it.
 
-A recording is decoded once. Most of each picture shows what the picture before showed, so what a ball, a hand
-or a shadow changed is kept and laid over the first picture again whenever the frame is looked at.
+A recording is decoded once. Most of each picture shows what the picture before showed, so what a ball, a
+hand or a shadow changed is kept and laid over the first picture again whenever the frame is looked at. When
+that becomes much, frames are compared with what most of them show instead, where the hand and the ball of the
+first picture are gone.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from tracking.boxes import boxes
-from tracking.coarse import brightened, coarsely, gain_between, largest_change, mark_changes
+from tracking.coarse import COARSE, brightened, coarsely, gain_between, largest_change, mark_changes
+from tracking.median import median_of
 from tracking.planes import Image, Planes, Window, copied, cut
 
 MOST_BYTES = 120_000_000  # all of the program then takes less than 500 MB, up to 1080p
+MUCH_BYTES = 30_000_000  # from here on frames are compared with what most of them show
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
 LINGERING = 16  # frames for which a place that changed is kept: a ball may pass where the picture shows one
+BRIEFLY = 4  # ... once the picture shows what most frames do
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
+SAMPLES = 11  # frames that tell what most of them show; of an odd number one is in the middle
+
+
+class Part(NamedTuple):
+    """A part of a picture: where it is, its planes, and a look at few of their pixels."""
+
+    window: Window
+    planes: Planes
+    coarse: Planes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kept:
-    """What is kept of one frame: the number of the picture it differs from, where, and how it looks there."""
+    """What is kept of one frame: the number of the picture it differs from, and the parts that differ."""
 
     picture: int
-    windows: tuple[Window, ...] = ()
-    patches: tuple[Planes, ...] = ()
+    parts: tuple[Part, ...] = ()
+
+    @property
+    def bytes(self) -> int:
+        """How much memory it takes."""
+        return sum(_size(part.planes) + _size(part.coarse) for part in self.parts)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -51,6 +71,8 @@ class Keeper:
     changes: list[float] = field(default_factory=list)
     overflown: bool = False
     _bytes: int = 0
+    _much: int = field(default_factory=lambda: MUCH_BYTES)
+    _lasting: int = LINGERING
     _noise: float = np.nan
     _reference: Planes | None = None
     _before: Planes | None = None
@@ -70,15 +92,34 @@ class Keeper:
         if windows is None:
             self._reference = coarse
             self.pictures.append(copied(seen))
-            self._bytes += sum(plane.nbytes for plane in seen)
+            self._bytes += _size(seen)
             windows, gain = (), 1.0
-        patches = tuple(_patch(seen, window, 1 / gain) for window in windows)
-        self._bytes += sum(plane.nbytes for patch in patches for plane in patch)
-        self.frames.append(Kept(picture=len(self.pictures) - 1, windows=windows, patches=patches))
+        self._keep([_part(cut(seen, window), coarse, window, 1 / gain) for window in windows])
+        if self._bytes > self._much:
+            self._settle()
         if self._bytes > MOST_BYTES:
             self.overflown = True
             self.pictures.clear()
             self.frames.clear()
+
+    def _keep(self, parts: Sequence[Part]) -> None:
+        """Keep what differs in a frame."""
+        self.frames.append(Kept(picture=len(self.pictures) - 1, parts=tuple(parts)))
+        self._bytes += self.frames[-1].bytes
+
+    def _settle(self) -> None:
+        """Let all frames differ from what most of them show, if the camera stands still."""
+        if len(self.pictures) == 1 and self._reference is not None:
+            (before,), reference, frames = self.pictures, self._reference, self.frames[::-1]
+            usual = _usual(before, self.frames)
+            self.pictures, self.frames, self._bytes = [usual], [], _size(usual)
+            self._reference, self._lingering, self._lasting = coarsely(usual), None, BRIEFLY
+            while frames:
+                kept = frames.pop()  # its memory is free at once
+                coarse = laid_over(reference, [(_coarsely(part.window), part.coarse) for part in kept.parts])
+                windows = self._changed(coarse, self._reference, 1.0, usual[0].shape) or ()
+                self._keep([_part(shown(before, kept, window), coarse, window) for window in windows])
+        self._much = 2 * self._bytes
 
     def _changed(
         self, coarse: Planes, reference: Planes, gain: float, shape: tuple[int, ...]
@@ -89,22 +130,89 @@ class Keeper:
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])
-        mark_changes(coarse, reference, (gain, least), self._lingering, LINGERING, (0, 0))
+        mark_changes(coarse, reference, (gain, least), self._lingering, self._lasting, (0, 0))
         windows = boxes(self._lingering, BESIDE, shape)
         kept = sum((rows.stop - rows.start) * (columns.stop - columns.start) for rows, columns in windows)
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows
 
 
-def laid_over(picture: Planes, kept: Kept) -> Planes:
-    """Give a whole frame again: the picture that it differs from, and over that what was kept of it."""
+def laid_over(picture: Planes, parts: Iterable[tuple[Window, Planes]]) -> Planes:
+    """Copy a picture and lay parts of another over it."""
     whole = copied(picture)
-    for window, patch in zip(kept.windows, kept.patches, strict=True):
-        for place, plane in zip(cut(whole, window), patch, strict=True):
+    for window, planes in parts:
+        for place, plane in zip(cut(whole, window), planes, strict=True):
             place[:] = plane
     return whole
 
 
-def _patch(seen: Planes, window: Window, gain: float) -> Planes:
-    """Copy what is in a window, made as bright as the picture it differs from."""
-    brightness, blue, red = copied(cut(seen, window))
-    return brightened(brightness, gain), blue, red
+def shown(picture: Planes, kept: Kept, window: Window) -> Planes:
+    """Give a window of a frame again: the picture that it differs from, and over that what was kept of it."""
+    for part in kept.parts:
+        if _overlap(part.window, window) == window:
+            return cut(part.planes, _within(window, part.window))
+    common = [(_overlap(part.window, window), part) for part in kept.parts]
+    return laid_over(
+        cut(picture, window),
+        [
+            (_within(both, window), cut(part.planes, _within(both, part.window)))
+            for both, part in common
+            if all(side.start < side.stop for side in both)
+        ],
+    )
+
+
+def ever_changed(frames: Iterable[Kept], shape: tuple[int, ...]) -> tuple[Window, ...]:
+    """Windows outside of which no frame differs from any other."""
+    changed = np.zeros([-(-side // COARSE) for side in shape], dtype=np.uint8)
+    for kept in frames:
+        for part in kept.parts:
+            changed[_coarsely(part.window)] = 1
+    return boxes(changed, 1, shape)
+
+
+def usual_picture(looks: Sequence[Planes]) -> Planes:
+    """Median of some pictures, pixel by pixel."""
+    brightness, blue, red = (median_of(np.stack(levels)) for levels in zip(*looks, strict=True))
+    return brightness, blue, red
+
+
+def _usual(picture: Planes, frames: Sequence[Kept]) -> Planes:
+    """Show what most of some frames show."""
+    some = [frames[k] for k in np.linspace(0, len(frames) - 1, SAMPLES).astype(int)]
+    windows = ever_changed(frames, picture[0].shape)
+    return laid_over(
+        picture,
+        [(window, usual_picture([shown(picture, kept, window) for kept in some])) for window in windows],
+    )
+
+
+def _part(planes: Planes, coarse: Planes, window: Window, gain: float = 1.0) -> Part:
+    """Copy a part of a picture, and of the look at it, made brighter or darker."""
+    brightness, blue, red = copied(planes)
+    few = copied(cut(coarse, _coarsely(window)))
+    return Part(window, (brightened(brightness, gain), blue, red), (brightened(few[0], gain), *few[1:]))
+
+
+def _coarsely(window: Window) -> Window:
+    """Turn rows and columns of a picture into those of its coarse look."""
+    rows, columns = (slice(side.start // COARSE, -(-side.stop // COARSE)) for side in window)
+    return rows, columns
+
+
+def _overlap(one: Window, other: Window) -> Window:
+    """Rows and columns that two windows have in common."""
+    rows, columns = (
+        slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(one, other, strict=True)
+    )
+    return rows, columns
+
+
+def _within(window: Window, whole: Window) -> Window:
+    """Rows and columns of a window as counted in another one that holds it."""
+    rows, columns = (slice(a.start - b.start, a.stop - b.start) for a, b in zip(window, whole, strict=True))
+    return rows, columns
+
+
+def _size(planes: Planes) -> int:
+    """How much memory planes take, bytes."""
+    return sum(plane.nbytes for plane in planes)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kept import Kept, laid_over
+from tracking.kept import Kept, Part, laid_over, shown
 from tracking.notebook import html_table
 from tracking.planes import Image, Planes, Window, colours, cut, enlarged
 from tracking.stamps import CLOCK_SD
@@ -29,14 +29,14 @@ class Frame:
 class View:
     """One picture as it is measured: planes, and what is `kept` of it if they belong to another picture.
 
-    Outside of the windows that `changed` it shows what most of the recording shows; None: nobody looked.
+    Outside of the parts that `changed` it shows what most of the recording shows; None: nobody looked.
     """
 
     index: int
     time: float
     picture: Planes
     kept: Kept | None = None
-    changed: tuple[Window, ...] | None = None
+    changed: tuple[Part, ...] | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -47,29 +47,13 @@ class View:
     @property
     def planes(self) -> Planes:
         """All of the picture."""
-        return self.picture if self.kept is None else laid_over(self.picture, self.kept)
+        if self.kept is None:
+            return self.picture
+        return laid_over(self.picture, [(part.window, part.planes) for part in self.kept.parts])
 
     def cut(self, window: Window) -> Planes:
-        """View a window, whose rows and columns start at even numbers; most lie in one that was kept."""
-        rows, columns = window
-        if self.kept is None:
-            return cut(self.picture, window)
-        for own, patch in zip(self.kept.windows, self.kept.patches, strict=True):
-            down, right = own
-            if (
-                down.start <= rows.start
-                and rows.stop <= down.stop
-                and right.start <= columns.start
-                and columns.stop <= right.stop
-            ):
-                return cut(
-                    patch,
-                    (
-                        slice(rows.start - down.start, rows.stop - down.start),
-                        slice(columns.start - right.start, columns.stop - right.start),
-                    ),
-                )
-        return cut(self.planes, window)
+        """View a window, whose rows and columns start at even numbers."""
+        return cut(self.picture, window) if self.kept is None else shown(self.picture, self.kept, window)
 
     def frame(self) -> Frame:
         """Make a copy that stays, of all of the picture."""

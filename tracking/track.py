@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
+from tracking.candidates import find_candidates
 from tracking.circle import Guess, fit_circles
-from tracking.detect import find_blobs, make_background
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
 from tracking.path import MISSING, best_path, first_turn, guess_radius
@@ -18,7 +18,7 @@ from tracking.scatter import path_scatter
 from tracking.sight import sight_along
 from tracking.sighting import Sighting
 from tracking.size import measure_radius
-from tracking.video import Recording, revisit
+from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -104,12 +104,12 @@ def track_balls(
     """
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
-    candidates = _candidates(recording)
+    candidates, around = find_candidates(recording)
     path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
-        path, radius = _measured(path, rough, candidates, recording)
+        path, radius = _measured(path, rough, candidates, around)
     path = _the_one(recording, candidates, path, (radius, start_px))
-    tracks = [_as_track("upper", sight_along(recording, path, radius), recording)]
+    tracks = [_as_track("upper", sight_along(around, path, radius), recording)]
     if lower is not None:
         below = _place_below(list(path.values()), radius, lower)
         highest = _touching(tracks[0], tracks[0].radius + below[2], len(recording.times))
@@ -125,12 +125,6 @@ def _require_that_fits(recording: Recording, ball: str, radius: float | None) ->
             f"{recording.path.name}: the {ball}ball would be {2 * radius:.3g} px wide, but must be between "
             f"{MINIMUM_DIAMETER_PX} and {widest} px; check its diameter and the scale"
         )
-
-
-def _candidates(recording: Recording) -> dict[int, list[Blob]]:
-    """List what differs from the background in each genuine frame, by its number."""
-    background = make_background(recording)
-    return {view.index: find_blobs(view, background) for view in revisit(recording)}
 
 
 def _find_ball(

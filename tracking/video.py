@@ -136,7 +136,7 @@ def _remembered(recording: Recording, wanted: Collection[int] | None) -> Iterato
             time=float(recording.times[number]),
             picture=recording.pictures[kept.picture],
             kept=kept,
-            changed=kept.windows if one else None,
+            changed=kept.parts if one else None,
         )
 
 

@@ -1,0 +1,93 @@
+"""What is kept of a recording shows every frame again, and a long one is read once."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from tests.conftest import Clip
+from tracking import kept, video
+from tracking.kept import Keeper, shown
+from tracking.planes import Planes
+from tracking.render import Look, render_ball
+from tracking.track import track_balls
+from tracking.video import open_recording
+
+WALL, HEIGHT, WIDTH = 110.0, 240, 400
+HELD, FALLING = 12, 180
+
+
+def scene(x: float, *, hand: bool = False) -> Planes:
+    """A ball before a wall, and a hand in a corner of the picture."""
+    wall = np.full((HEIGHT, WIDTH, 3), WALL, np.float32)
+    if hand:
+        wall[:120, :200] = 40.0
+    render_ball(wall, (x, 180.0), 8.0, Look(colour=(170, 170, 170), shading=0))
+    colour = np.full((HEIGHT // 2, WIDTH // 2), 128, np.uint8)
+    return wall[..., 0].astype(np.uint8), colour, colour
+
+
+def keep(frames: Sequence[Planes]) -> Keeper:
+    keeper = Keeper()
+    for planes in frames:
+        keeper.look(planes)
+    return keeper
+
+
+def again(keeper: Keeper) -> list[np.ndarray]:
+    """Brightness of all frames as they are kept."""
+    whole = slice(0, HEIGHT), slice(0, WIDTH)
+    return [shown(keeper.pictures[frame.picture], frame, whole)[0] for frame in keeper.frames]
+
+
+def size(keeper: Keeper) -> int:
+    return sum(plane.nbytes for frame in keeper.frames for part in frame.parts for plane in part.planes)
+
+
+def test_ball_that_passes_where_the_kept_picture_shows_one_is_shown_where_it_is() -> None:
+    frames = [scene(x) for x in (40.0, 50.0, 60.0, 50.0, 40.5, 30.0)]
+    for (brightness, *_), seen in zip(frames, again(keep(frames)), strict=True):
+        assert np.abs(brightness.astype(int) - seen).max() <= 1
+
+
+def test_once_much_is_kept_frames_are_compared_with_what_most_of_them_show(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    places = np.linspace(20.0, 380.0, FALLING)
+    frames = [scene(20.0, hand=True)] * HELD + [scene(x) for x in places]
+    unsettled = keep(frames)
+    monkeypatch.setattr(kept, "MUCH_BYTES", size(unsettled) // 3)
+    settled = keep(frames)
+    assert size(settled) < size(unsettled) / 2
+    np.testing.assert_array_equal(settled.pictures[0][0][:150], WALL)  # no hand
+    for (brightness, *_), seen in zip(frames, again(settled), strict=True):
+        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+
+
+def test_a_long_recording_is_decoded_once_and_tracked_the_same(
+    plate_clip: Clip, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (usual,) = track_balls(open_recording(plate_clip.path))
+    monkeypatch.setattr(kept, "MUCH_BYTES", 400_000)
+    recording = open_recording(plate_clip.path)
+    monkeypatch.delattr(video, "opened")
+    (settled,) = track_balls(recording)
+    frames, one, other = np.intersect1d(usual.frame, settled.frame, return_indices=True)
+    assert len(frames) > 0.97 * len(usual.frame)
+    apart = np.hypot(usual.x[one] - settled.x[other], usual.y[one] - settled.y[other])
+    assert np.median(apart) < 0.01
+    assert apart.max() < 0.1
+
+
+def test_a_recording_that_cannot_be_kept_is_decoded_twice_and_tracked_the_same(
+    plate_clip: Clip, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (usual,) = track_balls(open_recording(plate_clip.path))
+    decoded, opened = [], video.opened
+    monkeypatch.setattr(kept, "MOST_BYTES", 1000)
+    monkeypatch.setattr(video, "opened", lambda path: decoded.append(path) or opened(path))
+    (found,) = track_balls(open_recording(plate_clip.path))
+    assert len(decoded) == 2
+    frames, one, other = np.intersect1d(usual.frame, found.frame, return_indices=True)
+    assert len(frames) > 0.97 * len(usual.frame)
+    assert np.abs(usual.y[one] - found.y[other]).max() < 0.1
