@@ -18,7 +18,7 @@ from tracking.differing import closed, difference
 from tracking.kept import Keeper
 from tracking.median import median_of
 from tracking.patch import patch_of
-from tracking.planes import Image, Planes, colours, cut
+from tracking.planes import Image, Planes, colours, copied, cut
 from tracking.recording import View
 
 
@@ -118,7 +118,18 @@ def test_a_difference_is_the_largest_of_the_planes_averaged(fewer: int, gain: fl
     colour = cv2.max(cv2.absdiff(one[1], other[1]), cv2.absdiff(one[2], other[2]))
     strong = cv2.resize(cv2.convertScaleAbs(colour, alpha=1.5), (62, 40), interpolation=cv2.INTER_NEAREST)
     expected = cv2.blur(cv2.max(apart, strong), (3, 3))
-    np.testing.assert_array_equal(difference(one, other, gain), expected)
+    found = difference(one, other, gain, (0, 40, 0, 62), (0, 0))
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("fewer", [1, 2])
+def test_a_part_differs_from_the_background_where_it_was_taken(fewer: int) -> None:
+    whole, background = smooth(60, 80, fewer), smooth(60, 80, fewer)
+    whole[1][12:20, 12:20] += 40
+    part = copied(cut(whole, (slice(16, 60), slice(24, 80))))
+    expected = difference(whole, background, 1.0, (0, 60, 0, 80), (0, 0))[22:50, 36:73]
+    found = difference(part, background, 1.0, (6, 34, 12, 49), (16, 24))
+    np.testing.assert_array_equal(found[1:-1, 1:-1], expected[1:-1, 1:-1])
 
 
 def test_gaps_are_closed_as_opencv_closes_them() -> None:

@@ -10,7 +10,7 @@ from tracking.planes import Image, Window
 IntArray = npt.NDArray[np.int64]
 
 MOST_BOXES = 1000
-AT_ONCE = 8  # rows in which nothing may be set
+AT_ONCE = 4  # rows laid over each other
 
 
 def boxes(marks: Image, beside: int, shape: tuple[int, ...]) -> tuple[Window, ...]:
@@ -32,18 +32,20 @@ def _boxes(marks: Image, beside: int) -> tuple[IntArray, int]:
     None overlap.
     """
     found, count = np.empty((MOST_BOXES, 4), dtype=np.int64), 0
+    laid_over = np.empty(marks.shape[1], dtype=np.uint8)
     for first in range(0, len(marks), AT_ONCE):
         last = min(first + AT_ONCE, len(marks))
-        if _any_set(marks, first, last):
-            for row in range(first, last):
-                count = _add_runs(marks[row], row, beside, found, count)
+        if _lay_over(marks, first, last, laid_over):
+            count = _add_runs(marks, (first, last, beside), laid_over, found, count)
     return found, count
 
 
 @part
-def _any_set(marks: Image, first: int, last: int) -> bool:
-    """Tell whether anything is set in some rows, laid over each other."""
-    laid_over, any_set = np.zeros(marks.shape[1], dtype=np.uint8), np.uint8(0)
+def _lay_over(marks: Image, first: int, last: int, laid_over: Image) -> bool:
+    """Lay some rows over each other; tell whether anything is set."""
+    any_set = np.uint8(0)
+    for column in range(len(laid_over)):
+        laid_over[column] = 0
     for row in range(first, last):
         line = marks[row]
         for column in range(len(line)):
@@ -54,18 +56,36 @@ def _any_set(marks: Image, first: int, last: int) -> bool:
 
 
 @part
-def _add_runs(line: Image, row: int, beside: int, found: IntArray, count: int) -> int:
-    """Add boxes about all runs in a row to those found. Returns how many there are."""
+def _add_runs(marks: Image, rows: tuple[int, int, int], laid_over: Image, found: IntArray, count: int) -> int:
+    """Add boxes about all runs in rows (first, last, how many beside) laid over each other to those found.
+
+    Returns how many there are.
+    """
+    first, last, beside = rows
     column = 0
-    while column < len(line):
+    while column < len(laid_over):
         start = column
-        while column < len(line) and line[column]:
+        while column < len(laid_over) and laid_over[column]:
             column += 1
         if column > start:  # a pixel of colour is two of brightness
-            top, left = (row - beside) // 2 * 2, (start - beside) // 2 * 2
-            count = _join(found, count, (top, row + 1 + beside, left, column + beside))
+            upper, lower = first, last
+            while not _any_set(marks[upper, start:column]):
+                upper += 1
+            while not _any_set(marks[lower - 1, start:column]):
+                lower -= 1
+            top, left = (upper - beside) // 2 * 2, (start - beside) // 2 * 2
+            count = _join(found, count, (top, lower + beside, left, column + beside))
         column += 1
     return count
+
+
+@part
+def _any_set(line: Image) -> bool:
+    """Tell whether anything is set in a part of a row."""
+    most = np.uint8(0)
+    for column in range(len(line)):
+        most = max(most, line[column])
+    return bool(most > 0)
 
 
 @part

@@ -39,12 +39,17 @@ def coarsely(seen: Planes) -> Planes:
 def _every(plane: Image, down: int, right: int) -> Image:
     """Look at some rows and columns only."""
     few = np.empty((-(-plane.shape[0] // down), -(-plane.shape[1] // right)), dtype=np.uint8)
-    line, side_by_side = np.empty(plane.shape[1], dtype=np.uint8), plane.strides[1] == 1
+    line, side_by_side = np.empty(COARSE * few.shape[1], dtype=np.uint8), plane.strides[1] == 1
     for row in range(few.shape[0]):
-        for column in range(len(line) if side_by_side else 0):  # all of it: so memory gives it far sooner
-            line[column] = plane[down * row, column]
-        for column in range(few.shape[1]):
-            few[row, column] = line[right * column] if side_by_side else plane[down * row, right * column]
+        own = few[row]
+        if side_by_side and right == COARSE:
+            for column in range(plane.shape[1]):  # all of it: so memory gives it far sooner
+                line[column] = plane[down * row, column]
+            for column in range(len(own)):  # a step known beforehand is many columns at once
+                own[column] = line[COARSE * column]
+        else:
+            for column in range(len(own)):
+                own[column] = plane[down * row, right * column]
     return few
 
 

@@ -44,8 +44,9 @@ def make_background(recording: Recording) -> Background:
         usual = usual_picture(parts)
         for place, plane in zip(cut(whole, window), usual, strict=True):
             place[:] = plane
+        box = 0, usual[0].shape[0], 0, usual[0].shape[1]
         for part in parts[::3]:
-            apart = difference(part, usual, 1.0)
+            apart = difference(part, usual, 1.0, box, (0, 0))
             deviations.append(float(np.median(apart[::3, ::3])))
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)
@@ -92,7 +93,7 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
 
 def _whole(view: View) -> Part:
     """Look at few pixels of a whole picture."""
-    planes = view.planes
+    planes = copied(view.planes)
     return Part((slice(0, view.size[0]), slice(0, view.size[1])), planes, coarsely(planes))
 
 
@@ -106,8 +107,9 @@ def _blobs_within(part: Part, background: Background, gain: float) -> list[Blob]
         return []
     base, blobs = cut(background.planes, part.window), []
     whole = Whole(background.planes[0].shape, seen, base, (columns.start, rows.start))
-    for place in places:
-        apart = difference(copied(cut(seen, place)), copied(cut(base, place)), gain)
-        corner = columns.start + place[1].start, rows.start + place[0].start
+    for down, right in places:
+        box = down.start, down.stop, right.start, right.stop
+        apart = difference(seen, background.planes, gain, box, (rows.start, columns.start))
+        corner = columns.start + right.start, rows.start + down.start
         blobs += blobs_in(apart, background.threshold, whole, corner)
     return blobs

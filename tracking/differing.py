@@ -6,61 +6,86 @@ from tracking.coarse import SAME_GAIN
 from tracking.kernel import compiled, part
 from tracking.planes import Image, Planes
 
-COLOUR_WEIGHT = np.float32(1.5)  # a difference of colour spans fewer levels than one of brightness
-BRIGHTEST = np.float32(255)
+BRIGHTEST, WIDEST = np.float32(255), np.uint16(255)
+ONE, THREE, FOUR = np.array((1, 3, 4), dtype=np.uint16)  # of half precision, or all would be double
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
+MARKED = np.uint8(1)
 GAP = 2  # pixels on each side over which a mask is closed
 
 
 @compiled
-def difference(seen: Planes, background: Planes, gain: float) -> Image:
-    """Find the largest difference over the planes, averaged over three rows and columns.
+def difference(
+    seen: Planes, background: Planes, gain: float, box: tuple[int, int, int, int], corner: tuple[int, int]
+) -> Image:
+    """Find the largest difference over the planes in a box, averaged over three rows and columns.
 
     Parameters
     ----------
     seen, background : planes
     gain : float
         How much brighter than the background the picture is.
+    box : four int
+        First and last row, first and last column; the first ones even, the last ones not in it.
+    corner : two int
+        Even row and column of the background at which the picture begins.
     """
-    height, width = seen[0].shape
-    down, right = -(-height // len(seen[1])), -(-width // seen[1].shape[1])  # there may be less of colour
-    apart, dim = np.empty((height, width), dtype=np.uint8), np.empty(width, dtype=np.uint8)
-    coloured = np.empty(right * seen[1].shape[1], dtype=np.uint8)
-    for row in range(height):
-        if row % down == 0:
-            _colour(seen, background, row // down, coloured)
-        _brighten(background[0][row], gain, dim)
-        own, one = apart[row], seen[0][row]
-        for column in range(width):
-            own[column] = max(
-                np.uint8(max(one[column], dim[column]) - min(one[column], dim[column])), coloured[column]
-            )
+    top, bottom, left, right = box
+    finer = -(-seen[0].shape[0] // len(seen[1])), -(-seen[0].shape[1] // seen[1].shape[1])
+    apart, dim = (
+        np.empty((bottom - top, right - left), dtype=np.uint8),
+        np.empty(right - left, dtype=np.uint8),
+    )
+    coloured = np.empty(finer[1] * (-(-right // finer[1]) - left // finer[1]), dtype=np.uint8)
+    for row in range(top, bottom):
+        if (row - top) % finer[0] == 0:
+            _colour(seen, background, (row // finer[0], left // finer[1]), finer, corner, coloured)
+        own, one = apart[row - top], seen[0][row, left:right]
+        other = background[0][corner[0] + row, corner[1] + left : corner[1] + right]
+        if abs(gain - 1) >= SAME_GAIN:
+            _brighten(other, np.float32(gain), dim)
+            other = dim
+        for column in range(len(own)):
+            least, most = min(one[column], other[column]), max(one[column], other[column])
+            own[column] = max(np.uint8(most - least), coloured[column])
     return _averaged(apart)
 
 
 @part
-def _brighten(line: Image, gain: float, brighter: Image) -> None:
-    """Make a row brighter or darker, unless hardly."""
-    if abs(gain - 1) < SAME_GAIN:
-        for column in range(len(line)):
-            brighter[column] = line[column]
-    else:
-        times = np.float32(gain)
-        for column in range(len(line)):
-            brighter[column] = np.uint8(min(np.rint(np.float32(line[column]) * times), BRIGHTEST))
+def _brighten(line: Image, gain: np.float32, brighter: Image) -> None:
+    """Make a row brighter or darker."""
+    for column in range(len(line)):
+        brighter[column] = np.uint8(min(np.rint(np.float32(line[column]) * gain), BRIGHTEST))
 
 
 @part
-def _colour(seen: Planes, background: Planes, row: int, coloured: Image) -> None:
-    """Find by how much colour differs in a row of it, as heavy as brightness and with as many pixels."""
-    blue, other_blue, red, other_red = seen[1][row], background[1][row], seen[2][row], background[2][row]
-    right = len(coloured) // len(blue)
-    for column in range(len(blue)):
+def _colour(
+    seen: Planes,
+    background: Planes,
+    start: tuple[int, int],
+    finer: tuple[int, int],
+    corner: tuple[int, int],
+    coloured: Image,
+) -> None:
+    """Find by how much colour differs in a row of it from its start on.
+
+    It counts half as much again as brightness, of which it spans fewer levels, and is given as many pixels.
+    """
+    row, left = start
+    many = len(coloured) // finer[1]
+    far, side = corner[0] // finer[0] + row, corner[1] // finer[1] + left
+    blue, red = seen[1][row, left : left + many], seen[2][row, left : left + many]
+    other_blue, other_red = background[1][far, side : side + many], background[2][far, side : side + many]
+    for column in range(many):
         bluer = np.uint8(max(blue[column], other_blue[column]) - min(blue[column], other_blue[column]))
         redder = np.uint8(max(red[column], other_red[column]) - min(red[column], other_red[column]))
-        apart = np.uint8(min(np.rint(np.float32(max(bluer, redder)) * COLOUR_WEIGHT), BRIGHTEST))
-        for k in range(right * column, right * column + right):
-            coloured[k] = apart
+        thrice = np.uint16(THREE * max(bluer, redder))
+        half = np.uint16(thrice >> ONE)
+        apart = np.uint8(min(np.uint16(half + (thrice & half & ONE)), WIDEST))  # halves to the even
+        if finer[1] == 1:
+            coloured[column] = apart
+        else:
+            coloured[2 * column] = apart
+            coloured[2 * column + 1] = apart
 
 
 @part
@@ -76,7 +101,7 @@ def _averaged(levels: Image) -> Image:
         across[0], across[width + 1] = across[min(2, width)], across[max(width - 1, 1)]
         nine = averaged[row]
         for column in range(width):
-            summed = np.uint16(across[column] + across[column + 1] + across[column + 2] + 4)
+            summed = np.uint16(across[column] + across[column + 1] + across[column + 2] + FOUR)
             nine[column] = np.uint8((np.uint32(summed) * NINTH) >> SIXTEEN)
     return averaged
 
@@ -86,36 +111,29 @@ def closed(apart: Image, threshold: float) -> Image:
     """Mark with 1 what differs by more than a threshold; gaps of a few pixels are closed."""
     marks, level = np.empty_like(apart), np.uint8(min(threshold, 255.0))
     for row in range(len(apart)):
-        for column in range(apart.shape[1]):
-            marks[row, column] = apart[row, column] > level
-    return _others(_grown(_others(_grown(marks))))
+        own, levels = marks[row], apart[row]
+        for column in range(len(own)):
+            own[column] = levels[column] > level
+    return _far(_far(marks))
 
 
 @part
-def _others(marks: Image) -> Image:
-    """Mark what is not marked."""
-    for row in range(len(marks)):
-        for column in range(marks.shape[1]):
-            marks[row, column] ^= 1
-    return marks
-
-
-@part
-def _grown(marks: Image) -> Image:
-    """Mark what is near to what is marked."""
+def _far(marks: Image) -> Image:
+    """Mark what is not near to anything marked."""
     height, width = marks.shape
-    line, near = np.zeros(width + 2 * GAP, dtype=np.uint8), np.empty(width, dtype=np.uint8)
-    grown = np.zeros_like(marks)
+    near, far = np.zeros((height + 2 * GAP, width), dtype=np.uint8), np.empty_like(marks)
+    line = np.zeros(width + 2 * GAP, dtype=np.uint8)
     for row in range(height):
-        own = marks[row]
+        own, beside = marks[row], near[row + GAP]
         for column in range(width):
             line[column + GAP] = own[column]
         for column in range(width):
-            near[column] = (
+            beside[column] = (
                 line[column] | line[column + 1] | line[column + 2] | line[column + 3] | line[column + 4]
             )
-        for other in range(max(row - GAP, 0), min(row + GAP + 1, height)):
-            own = grown[other]
-            for column in range(width):
-                own[column] |= near[column]
-    return grown
+    for row in range(height):
+        own, one, two, three = far[row], near[row], near[row + 1], near[row + 2]
+        four, five = near[row + 3], near[row + 4]
+        for column in range(width):
+            own[column] = MARKED ^ (one[column] | two[column] | three[column] | four[column] | five[column])
+    return far
