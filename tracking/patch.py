@@ -13,6 +13,7 @@ SingleArray = npt.NDArray[np.float32]
 BLUE_SHARE, RED_SHARE = np.float32(1.773), np.float32(1.403)  # of a difference of colour, in that colour
 BLUE_IN_GREEN, RED_IN_GREEN = np.float32(0.344), np.float32(0.714)
 GREY, HALF, DARKEST, BRIGHTEST = np.array((128, 0.5, 0, 255), dtype=np.float32)
+MOST, LEAST = np.array((0.75, 0.25), dtype=np.float32)  # of the nearer and the farther pixel of colour
 
 
 class Patch(NamedTuple):
@@ -37,37 +38,48 @@ def as_patch(image: Image | Patch) -> Patch:
 def _mixed(brightness: Image, blue: Image, red: Image) -> Image:
     """Lay colour over brightness; where there is less of it, it is interpolated."""
     height, width = brightness.shape
-    image = np.empty((height, width, 3), dtype=np.uint8)
-    bluish, reddish = np.empty((2, 2 * width), dtype=np.float32)
+    image, blended = np.empty((height, width, 3), dtype=np.uint8), np.empty(width + 2, dtype=np.float32)
+    bluish, reddish = np.empty(2 * width, dtype=np.float32), np.empty(2 * width, dtype=np.float32)
+    mixed = np.empty((3, width), dtype=np.uint8)
     for row in range(height):
-        _spread(blue, row, brightness.shape, bluish)
-        _spread(red, row, brightness.shape, reddish)
+        _spread(blue, row, brightness.shape, blended, bluish)
+        _spread(red, row, brightness.shape, blended, reddish)
+        levels, own = brightness[row], image[row].reshape(-1)
+        blues, greens, reds = mixed[0], mixed[1], mixed[2]
         for column in range(width):
-            level, b, r = np.float32(brightness[row, column]) + HALF, bluish[column], reddish[column]
+            level, b, r = np.float32(levels[column]) + HALF, bluish[column], reddish[column]
             green = level - BLUE_IN_GREEN * b - RED_IN_GREEN * r
-            image[row, column, 0] = np.uint8(min(max(level + BLUE_SHARE * b, DARKEST), BRIGHTEST))
-            image[row, column, 1] = np.uint8(min(max(green, DARKEST), BRIGHTEST))
-            image[row, column, 2] = np.uint8(min(max(level + RED_SHARE * r, DARKEST), BRIGHTEST))
+            blues[column] = np.uint8(min(max(level + BLUE_SHARE * b, DARKEST), BRIGHTEST))
+            greens[column] = np.uint8(min(max(green, DARKEST), BRIGHTEST))
+            reds[column] = np.uint8(min(max(level + RED_SHARE * r, DARKEST), BRIGHTEST))
+        for column in range(width):
+            own[3 * column] = blues[column]
+            own[3 * column + 1] = greens[column]
+            own[3 * column + 2] = reds[column]
     return image
 
 
 @part
-def _spread(plane: Image, row: int, shape: tuple[int, int], spread: SingleArray) -> None:
-    """Give one row of a plane of colour, about grey, as many pixels as the brightness has."""
+def _spread(
+    plane: Image, row: int, shape: tuple[int, int], blended: SingleArray, spread: SingleArray
+) -> None:
+    """Give one row of a plane of colour, about grey, as many pixels as the brightness has.
+
+    A pixel lies nearer to one of colour than to the next; there is room for a row of those, `blended`.
+    """
     rows, columns = plane.shape
     near = far = row
     if rows < shape[0]:
         near = row // 2
         far = min(max(near - 1 + 2 * (row % 2), 0), rows - 1)
-    most, least = np.float32(0.75), np.float32(0.25)  # a pixel lies nearer to one of colour than to the next
+    own, other = plane[near], plane[far]
+    for k in range(columns):
+        blended[k + 1] = MOST * np.float32(own[k]) + LEAST * np.float32(other[k]) - GREY
+    blended[0], blended[columns + 1] = blended[1], blended[columns]
     if columns == shape[1]:
         for k in range(columns):
-            spread[k] = most * plane[near, k] + least * plane[far, k] - GREY
+            spread[k] = blended[k + 1]
         return
-    blended = np.empty(columns + 2, dtype=np.float32)
     for k in range(columns):
-        blended[k + 1] = most * plane[near, k] + least * plane[far, k] - GREY
-    blended[0], blended[columns + 1] = blended[1], blended[columns]
-    for k in range(columns):
-        spread[2 * k] = most * blended[k + 1] + least * blended[k]
-        spread[2 * k + 1] = most * blended[k + 1] + least * blended[k + 2]
+        spread[2 * k] = MOST * blended[k + 1] + LEAST * blended[k]
+        spread[2 * k + 1] = MOST * blended[k + 1] + LEAST * blended[k + 2]
