@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,11 +17,10 @@ from tracking.render import Camera, DropScene, write_recording
 from tracking.track import track_balls
 from tracking.video import open_recording
 
-PICTURES = {  # an upright telephone, 240 frames a second; the ball is 50 pixels wide in the smaller
-    "720p": DropScene(kind="plate", drop_height=0.92, camera=Camera(width_px=720), seed=720),
-    "1080p": DropScene(
-        kind="plate", drop_height=0.92, camera=Camera(width_px=1080, metres_per_pixel=0.00053), seed=1080
-    ),
+UPRIGHT = DropScene(kind="plate", drop_height=0.92, hold=0.2, after=1.6)  # a telephone; four bounces
+PICTURES = {  # 240 frames a second; the ball is 50 pixels wide in the smaller
+    "720p": replace(UPRIGHT, camera=Camera(width_px=720), seed=720),
+    "1080p": replace(UPRIGHT, camera=Camera(width_px=1080, metres_per_pixel=0.00053), seed=1080),
 }
 FILES = {  # strength of x264's compression for each picture, and its preset
     "as a telephone writes it": ({"720p": 13, "1080p": 14}, "veryfast"),  # some 50 Mbit a second
