@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiments.bench import Measured
-from experiments.bench_accuracy import drop, over_bound
+from experiments.bench_accuracy import CRF, RADII_PX, drop, over_bound
 from experiments.bench_bound import bound_of, centre_bounds, slopes
 from experiments.bench_clips import Filmed, film, first_impact, pulled
 from experiments.bench_velocity import biased, times
@@ -93,3 +93,12 @@ def test_a_small_ball_before_a_wall_of_its_hue_keeps_its_size() -> None:
     filmed = film(drop(8, 20_086), 23)
     assert filmed.track.radius == pytest.approx(8, rel=0.05)
     assert len(filmed.track.frame) > 60
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("radius", RADII_PX)
+def test_in_scenes_that_nothing_was_tuned_to_no_ball_is_lost_or_taken_for_something_else(radius: int) -> None:
+    for seed in range(34_000, 34_020):
+        filmed = film(drop(radius, seed), CRF)
+        assert filmed.track.radius == pytest.approx(radius, rel=0.05), seed
+        assert np.median(np.abs(filmed.errors)) < 0.25, seed

@@ -47,3 +47,11 @@ def test_what_moves_farthest_and_clearest_tells_the_radius() -> None:
     ghost = replace(BALL, y=100, width=10, height=10, area=78)
     assert guess_radius([[rising(number), ghost] for number in range(20)]) == 21
     assert guess_radius([[ghost] for _ in range(20)]) is None
+
+
+def test_a_round_piece_of_a_hand_outvotes_no_ball() -> None:
+    frames = [[rising(number)] for number in range(24)]
+    for number, frame in enumerate(frames):  # brighter than the ball, and trembling
+        tremble = 3.0 * (-1) ** number
+        frame.append(replace(BALL, x=200, y=40 + tremble, width=14, height=14, area=154, contrast=200))
+    assert guess_radius(frames) == 21

@@ -7,8 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
+from tracking.blob import Blob
 from tracking.encode import write_video
 from tracking.errors import RecordingError
+from tracking.rivals import acceleration
 from tracking.track import track_balls
 from tracking.video import open_recording
 
@@ -67,3 +69,19 @@ def test_shadow_and_mirror_image_are_no_second_ball(tmp_path: Path, mirrored: bo
     balls = [(60, 0.15, WHITE)] if mirrored else [(60, 0.15, WHITE), (130, 0.15, SHADOW)]
     (track,) = track_balls(open_recording(film(tmp_path / "one.mp4", *balls, mirrored=mirrored)))
     assert np.median(track.x) == pytest.approx(60, abs=0.3)
+
+
+def patch(y: float) -> Blob:
+    return Blob(
+        x=80, y=y, width=24, height=24, area=452, hull=452, contrast=60, ghost=False, colour=(90, 128, 128),
+        at_border=False,
+    )  # fmt: skip
+
+
+def test_what_falls_freely_tells_its_acceleration() -> None:
+    assert acceleration({k: patch(20 + 0.5 * k**2) for k in range(24)}, 12) == pytest.approx(1)
+
+
+def test_a_finger_that_rests_and_a_shadow_far_below_are_no_fall() -> None:
+    finger = {number: patch(20 + 0.05 * (number - 20) ** 2) for number in range(20, 28)}
+    assert acceleration({**finger, 48: patch(260), 50: patch(222)}, 12) is None

@@ -41,7 +41,7 @@ def sharp_part(apart: Image, marks: Image, box: Box) -> tuple[float, int, Image]
         for column in range(width):
             own[column] = own[column] > half
             many += np.int32(own[column])
-        core += many
+        core += int(many)
     return float(level), core, levels
 
 

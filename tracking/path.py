@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,13 +31,19 @@ LEAP_COST = 0.03  # its square: to another ball and back costs more than the way
 JUMP = 2.0  # radii: a thing at rest that is this far away in the next frame was not the ball
 RESTING = 3  # frames in one place
 LONGEST_GAP = 12  # frames a path may skip
+QUANTILES = (1 / 6, 1 / 2, 5 / 6)  # of all votes for a size
+OTHER_SIZE = 0.25  # of the logarithm, from which two sizes are not one
+CLEARLY = 0.8  # of the cost with the middle size: another one that costs more is not believed
+GOES = 0.3  # of the way of the one that goes furthest: what goes less is no ball
 LONGEST_STEP = 16.0  # radii a frame: what is further away is another thing
 
 
 def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
     """Guess the ball's radius in px from what is round, distinct and moves; None if nothing is.
 
-    Each round patch votes with its contrast times the way to the nearest patch like it in the next frame.
+    Each round patch votes with its contrast times the way to the nearest patch like it in the next frame. The
+    middle vote tells, unless many are for quite another size: then that size of which a ball goes through the
+    recording at the least cost. Pieces of a hand may be round, but do not go far.
     """
     widths, votes = [], []
     for now, after in pairwise(frames):
@@ -54,7 +61,10 @@ def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
         return None
     order = np.argsort(widths)
     share = np.cumsum(np.asarray(votes)[order]) / np.sum(votes)
-    return float(np.asarray(widths)[order][np.searchsorted(share, 0.5)]) / 2
+    told = np.asarray(widths)[order][np.searchsorted(share, QUANTILES)] / 2
+    middle = told[len(told) // 2]
+    others = told[np.abs(np.log(told / middle)) > OTHER_SIZE]
+    return float(middle) if not others.size else _cheaper(_joined(frames), [middle, *others])
 
 
 def _round(blob: Blob) -> bool:
@@ -81,15 +91,45 @@ def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:
     list of int
         Index into each frame's candidates, or MISSING.
     """
-    table = _table([blob for blobs in frames for blob in blobs])
+    joined = _joined(frames)
+    total, came = _paths(joined, radius)
+    places = [MISSING] * len(frames)
+    for index in _walk_back(total, came):
+        places[joined.number[index]] = int(index - joined.first[joined.number[index]])
+    return _without_ghosts(places, frames, radius)
+
+
+class _Joined(NamedTuple):
+    """Candidates of all frames: a table (12, n), the frame of each (n,), and the first of each frame."""
+
+    table: FloatArray
+    number: IntArray
+    first: IntArray
+
+
+def _joined(frames: Sequence[Sequence[Blob]]) -> _Joined:
+    """Put the candidates of all frames in one table."""
     number = np.repeat(np.arange(len(frames)), [len(blobs) for blobs in frames])
     first = np.searchsorted(number, np.arange(len(frames) + 1))
-    total, came = _cheapest(table, _misfit(table, radius), first, float(radius))
-    chosen = _walk_back(total + MISSING_COST * (len(frames) - 1 - number), came)
-    places = [MISSING] * len(frames)
-    for index in chosen:
-        places[number[index]] = int(index - first[number[index]])
-    return _without_ghosts(places, frames, radius)
+    return _Joined(_table([blob for blobs in frames for blob in blobs]), number, first)
+
+
+def _paths(joined: _Joined, radius: float) -> tuple[FloatArray, IntArray]:
+    """Cost of the cheapest path that ends at each patch, and which patch is before it."""
+    total, came = _cheapest(joined.table, _misfit(joined.table, radius), joined.first, float(radius))
+    return total + MISSING_COST * (len(joined.first) - 2 - joined.number), came
+
+
+def _cheaper(joined: _Joined, sizes: Sequence[float]) -> float:
+    """Choose the radius with which a ball goes far at the least cost; the first unless another is cheaper."""
+    costs, ways = [], []
+    for radius in sizes:
+        total, came = _paths(joined, radius)
+        costs.append(float(total.min(initial=np.inf)))
+        ways.append(float(np.ptp(joined.table[:2, _walk_back(total, came)], axis=1).max(initial=0.0)))
+    going = [k for k, way in enumerate(ways) if way > GOES * max(ways)]
+    best = min(going, key=costs.__getitem__, default=0)
+    return float(sizes[best if 0 not in going or costs[best] < CLEARLY * costs[0] else 0])
 
 
 def _table(blobs: Sequence[Blob]) -> FloatArray:

@@ -57,7 +57,7 @@ def acceleration(path: Path, radius: float) -> float | None:
     turn = first_turn(depth, radius)
     moving = np.flatnonzero(depth[turn] - depth[: turn + 1] < LONG_FALL * radius)
     fall = slice(max(0, int(moving[0]) - FEWEST_FRAMES), turn)
-    if fall.stop - fall.start < FEWEST_FRAMES or depth[turn] - depth[fall.start] < LONG_FALL * radius:
+    if fall.stop - fall.start < FEWEST_FRAMES or depth[turn - 1] - depth[fall.start] < LONG_FALL * radius:
         return None
     parabola, (residual, *_), *_ = np.polyfit(number[fall], depth[fall], 2, full=True)
     rough = np.sqrt(float(residual) / (fall.stop - fall.start))
