@@ -23,7 +23,9 @@ from tracking.video import Recording
 FloatArray = npt.NDArray[np.float64]
 
 FEWEST_FRAMES = 8
-KEPT = 0.55  # of the frames of a path are found again with the right radius
+KEPT = 0.55  # of the frames of a path are found again with the right radius,
+NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
+OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
@@ -147,14 +149,17 @@ def _measured(
 ) -> tuple[dict[int, Blob], float]:
     """Measure the radius of the ball on a path, and choose the path again by it.
 
-    A radius that loses the path is that of something else.
+    A radius that loses the path is that of something else; and what is round and as large as its patch is not
+    part of something larger, unless that is seen wherever it was.
     """
     radius = measure_radius(recording, candidates, path, rough)
     again = _choose_path(candidates, radius)
-    if len(again) >= KEPT * len(path):
+    if len(again) >= NEARLY_ALL * len(path):
         return again, radius
-    radius = measure_radius(recording, candidates, path, rough, part=False)
-    return _find_ball(recording, candidates, radius)
+    alone = measure_radius(recording, candidates, path, rough, part=False)
+    if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
+        return again, radius
+    return _find_ball(recording, candidates, alone)
 
 
 def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dict[int, Blob]:
