@@ -40,13 +40,12 @@ def make_background(recording: Recording) -> Background:
     looks = _alike(recording)
     whole, deviations = copied(looks[len(looks) // 2]), []
     for window in _ever_changed(recording):
-        parts = [copied(cut(look, window)) for look in looks]
-        usual = usual_picture(parts)
+        usual = usual_picture([cut(look, window) for look in looks])
         for place, plane in zip(cut(whole, window), usual, strict=True):
             place[:] = plane
         box = 0, usual[0].shape[0], 0, usual[0].shape[1]
-        for part in parts[::3]:
-            apart = difference(part, usual, 1.0, box, (0, 0))
+        for look in looks[::3]:
+            apart = difference(copied(cut(look, window)), usual, 1.0, box, (0, 0))
             deviations.append(float(np.median(apart[::3, ::3])))
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)

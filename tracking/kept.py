@@ -23,9 +23,11 @@ MUCH_BYTES = 30_000_000  # from here on frames are compared with what most of th
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
 LINGERING = 16  # frames for which a place that changed is kept: a ball may pass where the picture shows one
-BRIEFLY = 4  # ... once the picture shows what most frames do
-BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball
+BRIEFLY = 4  # ... once the picture shows what most frames do:
+BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball;
+CLOSELY = 4  # ... once the picture shows what is beyond it
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
+AT_ONCE = 128  # rows
 SAMPLES = 11  # frames that tell what most of them show; of an odd number one is in the middle
 
 
@@ -73,6 +75,7 @@ class Keeper:
     _bytes: int = 0
     _much: int = field(default_factory=lambda: MUCH_BYTES)
     _lasting: int = LINGERING
+    _beside: int = BESIDE
     _noise: float = np.nan
     _reference: Planes | None = None
     _before: Planes | None = None
@@ -113,7 +116,8 @@ class Keeper:
             (before,), reference, frames = self.pictures, self._reference, self.frames[::-1]
             usual = _usual(before, self.frames)
             self.pictures, self.frames, self._bytes = [usual], [], _size(usual)
-            self._reference, self._lingering, self._lasting = coarsely(usual), None, BRIEFLY
+            self._reference, self._lingering = coarsely(usual), None
+            self._lasting, self._beside = BRIEFLY, CLOSELY
             while frames:
                 kept = frames.pop()  # its memory is free at once
                 coarse = laid_over(reference, [(_coarsely(part.window), part.coarse) for part in kept.parts])
@@ -131,7 +135,7 @@ class Keeper:
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])
         mark_changes(coarse, reference, (gain, least), self._lingering, self._lasting, (0, 0))
-        windows = boxes(self._lingering, BESIDE, shape)
+        windows = boxes(self._lingering, self._beside, shape)
         kept = sum((rows.stop - rows.start) * (columns.stop - columns.start) for rows, columns in windows)
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows
 
@@ -172,8 +176,16 @@ def ever_changed(frames: Iterable[Kept], shape: tuple[int, ...]) -> tuple[Window
 
 def usual_picture(looks: Sequence[Planes]) -> Planes:
     """Median of some pictures, pixel by pixel."""
-    brightness, blue, red = (median_of(np.stack(levels)) for levels in zip(*looks, strict=True))
+    brightness, blue, red = (_median(levels) for levels in zip(*looks, strict=True))
     return brightness, blue, red
+
+
+def _median(levels: Sequence[Image]) -> Image:
+    """Median of some planes, some rows at a time: copies of all of them would take much memory."""
+    first = range(0, len(levels[0]), AT_ONCE)
+    return np.concatenate(
+        [median_of(np.stack([own[row : row + AT_ONCE] for own in levels])) for row in first]
+    )
 
 
 def _usual(picture: Planes, frames: Sequence[Kept]) -> Planes:

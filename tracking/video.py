@@ -26,6 +26,7 @@ __all__ = ["Frame", "Recording", "open_recording", "read_frames", "revisit"]
 FloatArray = npt.NDArray[np.float64]
 
 MOST_LOOKS = 11  # pictures that tell the background; of an odd number one is in the middle
+MOST_HELD = 16  # of which they are chosen; more would take memory
 
 WHOLE = 0.98  # a file with this share of the frames it announces is not cut short
 
@@ -155,7 +156,7 @@ class _Spread:
     def add(self, index: int, picture: Picture) -> None:
         """Keep a picture if it is its turn."""
         if index % self.spacing == 0:
-            if len(self.pictures) == 2 * MOST_LOOKS:
+            if len(self.pictures) == MOST_HELD:
                 self.spacing *= 2
                 self.pictures = {k: kept for k, kept in self.pictures.items() if k % self.spacing == 0}
             if index % self.spacing == 0:
