@@ -15,14 +15,15 @@ from tracking.video import open_recording
 
 WALL, HEIGHT, WIDTH = 110.0, 240, 400
 HELD, FALLING = 12, 180
+HAND = slice(0, 120), slice(0, 200)
 
 
-def scene(x: float, *, hand: bool = False) -> Planes:
-    """A ball before a wall, and a hand in a corner of the picture."""
+def scene(x: float, *hands: tuple[slice, slice]) -> Planes:
+    """A ball before a wall, and hands in some places."""
     wall = np.full((HEIGHT, WIDTH, 3), WALL, np.float32)
-    if hand:
-        wall[:120, :200] = 40.0
-    render_ball(wall, (x, 180.0), 8.0, Look(colour=(170, 170, 170), shading=0))
+    for place in hands:
+        wall[place] = 40.0
+    render_ball(wall, (x, 205.0), 8.0, Look(colour=(170, 170, 170), shading=0))
     colour = np.full((HEIGHT // 2, WIDTH // 2), 128, np.uint8)
     return wall[..., 0].astype(np.uint8), colour, colour
 
@@ -54,13 +55,26 @@ def test_once_much_is_kept_frames_are_compared_with_what_most_of_them_show(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     places = np.linspace(20.0, 380.0, FALLING)
-    frames = [scene(20.0, hand=True)] * HELD + [scene(x) for x in places]
+    frames = [scene(20.0, HAND)] * HELD + [scene(x) for x in places]
     unsettled = keep(frames)
     monkeypatch.setattr(kept, "MUCH_BYTES", size(unsettled) // 3)
     settled = keep(frames)
     assert size(settled) < size(unsettled) / 2
     np.testing.assert_array_equal(settled.pictures[0][0][:150], WALL)  # no hand
     for (brightness, *_), seen in zip(frames, again(settled), strict=True):
+        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+
+
+def test_a_frame_that_differs_nearly_everywhere_from_what_most_show_is_kept_whole(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frames = [scene(20.0, HAND)] * HELD + [scene(x) for x in np.linspace(20.0, 380.0, FALLING)]
+    keeper = keep(frames)
+    monkeypatch.setattr(kept, "NEW_PICTURE_SHARE", 0.2)  # less than the hand
+    keeper._settle()
+    assert len(keeper.pictures) == 1
+    assert again(keeper)[0].min() == pytest.approx(40, abs=1)
+    for (brightness, *_), seen in zip(frames, again(keeper), strict=True):
         assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
 
 

@@ -121,7 +121,9 @@ class Keeper:
             while frames:
                 kept = frames.pop()  # its memory is free at once
                 coarse = laid_over(reference, [(_coarsely(part.window), part.coarse) for part in kept.parts])
-                windows = self._changed(coarse, self._reference, 1.0, usual[0].shape) or ()
+                windows = self._changed(coarse, self._reference, 1.0, usual[0].shape)
+                if windows is None:
+                    windows = ((slice(0, usual[0].shape[0]), slice(0, usual[0].shape[1])),)
                 self._keep([_part(shown(before, kept, window), coarse, window) for window in windows])
         self._much = 2 * self._bytes
 
