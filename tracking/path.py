@@ -125,11 +125,13 @@ def _cheaper(joined: _Joined, sizes: Sequence[float]) -> float:
     costs, ways = [], []
     for radius in sizes:
         total, came = _paths(joined, radius)
-        costs.append(float(total.min(initial=np.inf)))
-        ways.append(float(np.ptp(joined.table[:2, _walk_back(total, came)], axis=1).max(initial=0.0)))
-    going = [k for k, way in enumerate(ways) if way > GOES * max(ways)]
-    best = min(going, key=costs.__getitem__, default=0)
-    return float(sizes[best if 0 not in going or costs[best] < CLEARLY * costs[0] else 0])
+        costs.append(float(total.min()))
+        ways.append(float(np.ptp(joined.table[:2, _walk_back(total, came)], axis=1).max()))
+    going = [k for k, way in enumerate(ways) if way >= GOES * max(ways)]
+    best = min(going, key=costs.__getitem__)
+    if 0 in going and costs[best] > CLEARLY * costs[0]:
+        best = 0
+    return float(sizes[best])
 
 
 def _table(blobs: Sequence[Blob]) -> FloatArray:
