@@ -27,9 +27,7 @@ FILES = {  # strength of x264's compression for each picture, and its preset
     "made small": ({"720p": 23, "1080p": 23}, "medium"),  # by a program, to be sent: a tenth of that
 }
 RUNS = 5  # of tracking and decoding in turn: what else the machine does then disturbs both
-LONG = (
-    8.0  # s filmed after the first impact, in the clip that shows how much memory grows; it bounces for five
-)
+LONG = 8.0  # s filmed after the first impact, five of them bounces: how much does memory grow?
 MEMORY = """
 import resource, sys
 from pathlib import Path

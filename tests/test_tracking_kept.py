@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from clips import Clip
 
-from tests.conftest import Clip
 from tracking import kept, video
 from tracking.kept import Keeper, shown
 from tracking.planes import Planes

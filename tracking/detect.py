@@ -8,8 +8,8 @@ from tracking.blob import Blob, Whole, blobs_in
 from tracking.boxes import boxes
 from tracking.coarse import COARSE, brightened, coarsely, gain_between, mark_changes
 from tracking.differing import difference
-from tracking.kept import Part, ever_changed, usual_picture
-from tracking.planes import Image, Planes, Window, copied, cut
+from tracking.kept import Part, ever_changed, laid_over, usual_picture
+from tracking.planes import Image, Planes, Window, copied, cut, everywhere
 from tracking.recording import Recording, View, held_still
 
 NOISE_FACTOR = 6.0  # a difference this many times the noise is an object
@@ -38,11 +38,11 @@ def make_background(recording: Recording) -> Background:
     Where nothing ever changed, one picture is as good.
     """
     looks = _alike(recording)
-    whole, deviations = copied(looks[len(looks) // 2]), []
-    for window in _ever_changed(recording):
-        usual = usual_picture([cut(look, window) for look in looks])
-        for place, plane in zip(cut(whole, window), usual, strict=True):
-            place[:] = plane
+    medians = [
+        (window, usual_picture([cut(look, window) for look in looks])) for window in _ever_changed(recording)
+    ]
+    whole, deviations = laid_over(looks[len(looks) // 2], medians), []
+    for window, usual in medians:
         box = 0, usual[0].shape[0], 0, usual[0].shape[1]
         for look in looks[::3]:
             apart = difference(copied(cut(look, window)), usual, 1.0, box, (0, 0))
@@ -73,7 +73,7 @@ def _few(look: Planes) -> Image:
 def _ever_changed(recording: Recording) -> tuple[Window, ...]:
     """Windows outside of which no frame differs from any other; all of the picture if nobody looked."""
     if len(recording.pictures) != 1:
-        return ((slice(0, recording.size[0]), slice(0, recording.size[1])),)
+        return (everywhere(recording.size),)
     return ever_changed(recording.kept, recording.size)
 
 
@@ -94,7 +94,7 @@ def _whole(view: View) -> Part:
     """Look at few pixels of a whole picture."""
     brightness, blue, red = (np.ascontiguousarray(plane) for plane in view.planes)
     planes = brightness, blue, red
-    return Part((slice(0, view.size[0]), slice(0, view.size[1])), planes, coarsely(planes))
+    return Part(everywhere(view.size), planes, coarsely(planes))
 
 
 def _blobs_within(part: Part, background: Background, gain: float) -> list[Blob]:

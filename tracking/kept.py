@@ -16,7 +16,7 @@ import numpy as np
 from tracking.boxes import boxes
 from tracking.coarse import COARSE, brightened, coarsely, gain_between, largest_change, mark_changes
 from tracking.median import median_of
-from tracking.planes import Image, Planes, Window, copied, cut
+from tracking.planes import Image, Planes, Window, copied, cut, everywhere
 
 MOST_BYTES = 120_000_000  # all of the program then takes less than 500 MB, up to 1080p
 MUCH_BYTES = 30_000_000  # from here on frames are compared with what most of them show
@@ -28,7 +28,7 @@ BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the b
 CLOSELY = 4  # ... once the picture shows what is beyond it
 NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
 AT_ONCE = 128  # rows
-SAMPLES = 11  # frames that tell what most of them show; of an odd number one is in the middle
+SAMPLES = 11  # pictures that tell what most of them show; of an odd number one is in the middle
 
 
 class Part(NamedTuple):
@@ -122,9 +122,8 @@ class Keeper:
                 kept = frames.pop()  # its memory is free at once
                 coarse = laid_over(reference, [(_coarsely(part.window), part.coarse) for part in kept.parts])
                 windows = self._changed(coarse, self._reference, 1.0, usual[0].shape)
-                if windows is None:
-                    windows = ((slice(0, usual[0].shape[0]), slice(0, usual[0].shape[1])),)
-                self._keep([_part(shown(before, kept, window), coarse, window) for window in windows])
+                places = (everywhere(usual[0].shape),) if windows is None else windows
+                self._keep([_part(shown(before, kept, window), coarse, window) for window in places])
         self._much = 2 * self._bytes
 
     def _changed(

@@ -26,6 +26,11 @@ def cut(whole: Planes, window: Window) -> Planes:
     return whole[0][rows, columns], whole[1][colour], whole[2][colour]
 
 
+def everywhere(shape: tuple[int, ...]) -> Window:
+    """All rows and columns of a picture."""
+    return slice(0, shape[0]), slice(0, shape[1])
+
+
 def fewer(whole: Planes) -> tuple[int, int]:
     """How many times fewer rows and columns the planes of colour have than the brightness."""
     (height, width), (rows, columns) = whole[0].shape, whole[1].shape

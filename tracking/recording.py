@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kept import Kept, Part, laid_over, shown
+from tracking.kept import Kept, Part, shown
 from tracking.notebook import html_table
-from tracking.planes import Image, Planes, Window, colours, cut, enlarged
+from tracking.planes import Image, Planes, Window, colours, cut, enlarged, everywhere
 from tracking.stamps import CLOCK_SD
 
 FloatArray = npt.NDArray[np.float64]
@@ -47,9 +47,7 @@ class View:
     @property
     def planes(self) -> Planes:
         """All of the picture."""
-        if self.kept is None:
-            return self.picture
-        return laid_over(self.picture, [(part.window, part.planes) for part in self.kept.parts])
+        return self.cut(everywhere(self.size))
 
     def cut(self, window: Window) -> Planes:
         """View a window, whose rows and columns start at even numbers."""

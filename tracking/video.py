@@ -17,7 +17,7 @@ from tracking import stamps
 from tracking.cadence import even_times, find_genuine
 from tracking.decode import Picture, opened
 from tracking.errors import RecordingError
-from tracking.kept import Keeper
+from tracking.kept import SAMPLES, Keeper
 from tracking.planes import Planes
 from tracking.recording import Frame, Recording, View, held_still, moved_back
 
@@ -25,8 +25,7 @@ __all__ = ["Frame", "Recording", "open_recording", "read_frames", "revisit"]
 
 FloatArray = npt.NDArray[np.float64]
 
-MOST_LOOKS = 11  # pictures that tell the background; of an odd number one is in the middle
-MOST_HELD = 16  # of which they are chosen; more would take memory
+MOST_HELD = 16  # pictures of which those that tell the background are chosen; more would take memory
 
 WHOLE = 0.98  # a file with this share of the frames it announces is not cut short
 
@@ -163,9 +162,9 @@ class _Spread:
                 self.pictures[index] = picture
 
     def few(self) -> dict[int, Planes]:
-        """Give at most `MOST_LOOKS` of them."""
+        """Give at most `SAMPLES` of them."""
         numbers = list(self.pictures)
-        chosen = np.linspace(0, len(numbers) - 1, min(MOST_LOOKS, len(numbers))).astype(int)
+        chosen = np.linspace(0, len(numbers) - 1, min(SAMPLES, len(numbers))).astype(int)
         return {numbers[k]: self.pictures[numbers[k]].planes() for k in chosen}
 
 
