@@ -15,6 +15,7 @@ CERTAIN = 3.0  # standard deviations
 RAMP = 2.5  # half the rate makes gravity four times less; air alone makes it up to twice less
 VAGUE = 0.1  # of the approach speed: a velocity known no better tells nothing
 SWELLING = 0.12  # of a ball's size: more is no motion in depth that can be put right
+TILTED = 0.25  # of a ball's size from top to bottom: more, and the slant of its path counts as well
 MOMENTUM_TOLERANCE = 0.05  # of the momentum before; beyond it, and three sd, something else took part
 
 
@@ -78,10 +79,15 @@ def _vague_hop(impact: Impact, capture_fps: float) -> str:
 def find_size_doubt(ball: Track) -> str:
     """Say that a ball's size changes more than a drop's does; empty if not. The track is in px."""
     depth = motion_in_depth(ball)
-    if not (depth.is_certain and abs(depth.change) > SWELLING):
+    if depth.tilts and abs(depth.tilt) > TILTED:
+        return (
+            f"the ball's size changes by {abs(depth.tilt):.0%} with its height: the camera is tilted too "
+            "far; set it level, at the height of the impact"
+        )
+    if not (depth.drifts and abs(depth.drift) > SWELLING):
         return ""
     return (
-        f"the ball's size changes by {abs(depth.change):.0%} along its path: either it falls far out of its "
+        f"the ball's size changes by {abs(depth.drift):.0%} along its path: either it falls far out of its "
         "plane, so let it go again, or part of its rim is as grey as the wall, so light it evenly or film it "
         "against a background of another colour"
     )

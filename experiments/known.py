@@ -70,15 +70,23 @@ def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
 def without_depth(ball: Track, recording: Recording) -> tuple[Track, list[str]]:
     """Undo a ball's motion towards the camera or away from it, and say so; `ball` in px."""
     depth = motion_in_depth(ball)
-    if not depth.is_certain:
-        return ball, []
+    remarks = []
+    if depth.drifts:
+        grows = depth.drift > 0
+        verb, where = ("grows", "towards the camera") if grows else ("shrinks", "away from the camera")
+        remarks.append(
+            f"the {ball.ball} ball {verb} by {abs(depth.drift):.1%} ± {depth.drift_sd:.1%} along its path: "
+            f"it moves {where}; its velocities are corrected for that"
+        )
+    if depth.tilts:
+        larger = "larger" if depth.tilt > 0 else "smaller"
+        remarks.append(
+            f"the {ball.ball} ball looks {abs(depth.tilt):.0%} ± {depth.tilt_sd:.0%} {larger} at the bottom "
+            "of its path than at the top: the camera is tilted; velocities are corrected for that, but a "
+            "level camera needs no correction"
+        )
     height, width = recording.size
-    verb, where = ("grows", "towards the camera") if depth.change > 0 else ("shrinks", "away from the camera")
-    remark = (
-        f"the {ball.ball} ball {verb} by {abs(depth.change):.1%} ± {depth.change_sd:.1%} along its path: it "
-        f"moves {where}; its velocities are corrected for that"
-    )
-    return undone(ball, depth, (width / 2, height / 2)), [remark]
+    return undone(ball, depth, (width / 2, height / 2)) if remarks else ball, remarks
 
 
 def flight_of(ball: Body, track: Track) -> tuple[Flight, list[str]]:

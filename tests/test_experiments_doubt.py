@@ -86,10 +86,10 @@ def test_slow_motion_stored_as_ordinary_film_is_recognized(stored: int, captured
     assert doubt.endswith(f"{captured} fps stored as {stored}; use --capture-fps {captured}")
 
 
-def test_ball_that_seems_to_swell_by_an_eighth_is_doubted() -> None:
-    def seen(change: float) -> str:
+def test_ball_that_seems_to_swell_is_doubted() -> None:
+    def seen(change: float, tilt: float = 0.0) -> str:
         since = np.linspace(0, 1, 60)
-        size = 20 * (1 + change * since)
+        size = 20 * (1 + change * since + tilt * np.sin(9 * since) / 2)
         ones, frame = np.ones(60), np.arange(60)
         return find_size_doubt(
             Track(
@@ -111,3 +111,5 @@ def test_ball_that_seems_to_swell_by_an_eighth_is_doubted() -> None:
     assert seen(0.02) == ""
     assert "size changes by" in seen(0.16)
     assert "background of another colour" in seen(0.16)
+    assert seen(0.02, tilt=0.16) == ""
+    assert "the camera is tilted too far; set it level" in seen(0.02, tilt=0.4)

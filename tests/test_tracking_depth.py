@@ -35,19 +35,40 @@ def seen(size: np.ndarray, noise: float = 0.1, blur: float = 0.0) -> Track:
 def test_a_ball_that_comes_or_goes_is_put_back_where_it_would_be(change: float) -> None:
     track = seen(1 + change * (TIME - 0.5))
     depth = motion_in_depth(track)
-    assert depth.is_certain
-    assert depth.change == pytest.approx(change, abs=3 * depth.change_sd + 0.003)
+    assert (depth.drifts, depth.tilts) == (True, False)
+    assert depth.drift == pytest.approx(change, abs=3 * depth.drift_sd + 0.003)
     assert undone(track, depth, (300, 400)).y == pytest.approx(seen(np.ones(120)).y, abs=0.6)
 
 
+@pytest.mark.parametrize(("tilt", "drift"), [(-0.1, 0.0), (0.06, 0.0), (-0.1, 0.05)])
+def test_before_a_camera_that_is_not_level_a_ball_is_put_back_as_well(tilt: float, drift: float) -> None:
+    high = np.abs(np.sin(7 * TIME))
+    track = seen(1 + tilt * (0.5 - high) + drift * (TIME - 0.5))
+    depth = motion_in_depth(track)
+    assert (depth.drifts, depth.tilts) == (drift != 0, True)
+    assert depth.tilt == pytest.approx(tilt, abs=3 * depth.tilt_sd + 0.003)
+    assert undone(track, depth, (300, 400)).y == pytest.approx(seen(np.ones(120)).y, abs=0.8)
+
+
+def test_sizes_that_go_astray_for_a_while_are_no_tilt() -> None:
+    astray = 0.02 * np.convolve(np.random.default_rng(4).standard_normal(139), np.ones(20), "valid") / 4.5
+    assert not motion_in_depth(seen(1 + astray)).tilts
+
+
 def test_blur_of_fast_frames_is_no_motion_in_depth() -> None:
-    assert not motion_in_depth(seen(np.ones(120), blur=1.5)).is_certain
+    assert not is_told(seen(np.ones(120), blur=1.5))
 
 
 def test_sizes_that_scatter_and_too_few_frames_tell_nothing() -> None:
-    assert not motion_in_depth(seen(np.ones(120), noise=1.5)).is_certain
+    assert not is_told(seen(np.ones(120), noise=1.5))
     lonely = Track(
         ball="upper", unit="px", radius=1.0, radius_sd=1.0, frame=np.arange(3), time=TIME[:3],
         x=TIME[:3], y=TIME[:3], x_sd=TIME[:3], y_sd=TIME[:3], arc=TIME[:3],
     )  # fmt: skip
-    assert not motion_in_depth(lonely).is_certain
+    assert not is_told(lonely)
+
+
+def is_told(track: Track) -> bool:
+    """Whether the sizes of a ball tell of any motion in depth."""
+    depth = motion_in_depth(track)
+    return depth.drifts or depth.tilts
