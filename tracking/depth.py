@@ -124,5 +124,5 @@ def _robust(design: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatAr
 
 def _lasting(errors: FloatArray) -> float:
     """How many times as large the sd of a mean is as if errors were independent, by what neighbours share."""
-    shared = float(errors[1:] @ errors[:-1] / max(errors @ errors, TINY))
+    shared = float(errors[1:] @ errors[:-1]) / max(float(errors @ errors), TINY)
     return float(np.sqrt((1 + shared) / (1 - shared))) if 0 < shared < 1 else 1.0
