@@ -94,8 +94,10 @@ def descend(box: Box, start: Array, held: int | None = None, ceiling: float = np
         There.
     """
     free = [column for column in box.free if column != held]
+    if not len(start):
+        return start, np.empty(0)
     at, residuals = start.copy(), box.residuals(start)
-    if not free or not len(at):
+    if not free:
         return at, np.asarray(np.sum(residuals**2, axis=1))
     damping, going = np.full(len(at), 1e-3), np.arange(len(at))
     slopes = _slopes(box, at, residuals, free)

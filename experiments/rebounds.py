@@ -17,6 +17,7 @@ from tracking.flight import velocity as velocity_after
 Array = NDArray[np.float64]
 
 HEIGHTS, INTERVALS = "rebound heights", "bounce intervals"
+UNTOLD = "nothing to compare: no two intervals of a launch follow each other"
 VACUUM_FLIGHT = Flight(gravity=9.80665)
 _FASTEST = 100.0  # m/s: no ball that anybody drops rebounds faster
 _PRIOR_READINGS = 4.0  # how far the scatter of few readings is drawn to that of all
@@ -136,6 +137,8 @@ def _lines(result: BallResult) -> list[str]:
     for method in result.points["method"].unique():
         if method not in result.laws:
             lines.append(f"    {method}: too few or too similar speeds to see a dependence on them")
+    if result.points.empty:
+        lines.append(f"    {UNTOLD}")
     if HEIGHTS in result.laws and INTERVALS in result.laws:
         lines.append(f"    {_agreement(result.laws[HEIGHTS], result.laws[INTERVALS])}")
     return lines

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from calibrate.files import write_whole
 from calibrate.speed import SpeedLaw
 from experiments.drawing import LOWER, UPPER, label, new_figure, save_both
-from experiments.rebounds import HEIGHTS, INTERVALS, BallResult
+from experiments.rebounds import HEIGHTS, INTERVALS, UNTOLD, BallResult
 
 _STYLES = {HEIGHTS: (UPPER, "o", "-"), INTERVALS: (LOWER, "s", "--")}
 
@@ -56,7 +56,10 @@ def _draw_ball(axes: Axes, result: BallResult) -> None:
         _draw_law(axes, method, law)
     air = "air allowed for" if result.in_air else "no air"
     label(axes, ("approach speed [m/s]", "restitution e", f"{result.ball.replace('_', ' ')}, {air}"))
-    axes.legend(frameon=False, fontsize=7.5)
+    if result.points.empty:
+        axes.text(0.5, 0.5, UNTOLD.replace(": ", ":\n"), ha="center", transform=axes.transAxes, fontsize=8)
+    else:
+        axes.legend(frameon=False, fontsize=7.5)
 
 
 def _draw_law(axes: Axes, method: str, law: SpeedLaw) -> None:

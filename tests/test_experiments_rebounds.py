@@ -109,3 +109,14 @@ def test_a_ball_that_is_not_in_the_table_is_refused(tmp_path: Path) -> None:
     done = fit(str(path), "--ball", "blue=0.05,0.04", "--out", str(tmp_path))
     assert done.exit_code == 2
     assert "ball must be one of red, got 'blue'" in done.stderr
+
+
+def test_intervals_none_of_which_follows_another_are_said_to_tell_nothing(tmp_path: Path) -> None:
+    path = typed(
+        tmp_path, "ball,h0_cm,interval_no,launch,dt_s\nred,8,1,1,0.255\nred,8,2,1,nan\nred,8,3,1,0.23\n"
+    )
+    done = fit(str(path), "--out", str(tmp_path))
+    assert done.exit_code == 1
+    assert "line 3: interval must be a number above zero; left out" in done.stderr
+    assert "nothing to compare: no two intervals of a launch follow each other" in done.stdout
+    assert (tmp_path / "restitution.png").exists()

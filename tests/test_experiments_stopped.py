@@ -59,7 +59,7 @@ def folder(plate_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Four recordings, one of them cut short."""
     folder = tmp_path_factory.mktemp("drops")
     content = plate_clip.path.read_bytes()
-    for name in "abc":
+    for name in "abcdefgh":
         (folder / f"{name}.mp4").write_bytes(content)
     (folder / "cut.mp4").write_bytes(content[:9000])
     return folder
@@ -108,7 +108,7 @@ def test_an_interrupted_run_leaves_the_table_of_what_is_finished(
     assert run.returncode == 130
     assert b"stopped; what is finished is kept, go on with --resume" in complaint
     assert (tmp_path / "report.html").exists()
-    assert 1 <= len(records_in(tmp_path)) < 4
+    assert 1 <= len(records_in(tmp_path)) < 9
     rows = len((tmp_path / "trials.csv").read_text().splitlines()) - 1
     assert 0 <= len(records_in(tmp_path)) - rows <= 2  # one a worker may be done in that very moment
     assert rows

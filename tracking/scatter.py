@@ -2,22 +2,23 @@
 
 import numpy as np
 import numpy.typing as npt
+from scipy.stats import chi2
 
 FloatArray = npt.NDArray[np.float64]
 
-DEGREE = 3  # of the difference: free flight has none but by drag
-FEWEST = 6
-MOVING_PX = (
-    0.5  # a frame: what rests is compressed to the same picture again and again, and seems to err less
-)
-SHARE = 0.35  # of the differences are sure to span no impact, however slow the camera
-QUANTILE = 0.4538  # standard deviations: so much of a normal distribution's values are within
+WINDOWS = ((48, 5), (24, 3), (12, 3), (8, 3))
+"""Frames, the longest that a path has room for, and the degree of the polynomial through them: flight through
+air is none more crooked, and errors of compression last for several frames."""
+FEWEST = 6  # windows
+MOVING_PX = 0.5  # a frame: what rests is compressed to the same picture again, and seems to err less
+SHARE = 0.35  # of the windows are sure to span no strike and no kink
 
 
 def path_scatter(frame: npt.NDArray[np.int64], places: FloatArray) -> FloatArray:
     """Give the standard deviation of places about a path that bends evenly between impacts.
 
-    Neighbouring errors count as independent; what they have in common, the path seems to have.
+    Errors of compression last for frames, or swing: what neighbours differ by tells less of them than how far
+    places lie off a smooth curve through many.
 
     Parameters
     ----------
@@ -38,10 +39,33 @@ def path_scatter(frame: npt.NDArray[np.int64], places: FloatArray) -> FloatArray
     >>> path_scatter(frame, 0.01 * (frame[:, None] - 200.0) ** 2 + noise).round(1)
     array([0.1, 0.1])
     """
-    way = np.hypot(*(places[DEGREE:] - places[:-DEGREE]).T)
-    compared = (frame[DEGREE:] - frame[:-DEGREE] == DEGREE) & (way > DEGREE * MOVING_PX)
-    if compared.sum() < FEWEST:
-        return np.zeros(2)
-    of_one = np.sqrt(np.sum(np.square(np.poly(np.ones(DEGREE)))))
-    apart = np.abs(np.diff(places, DEGREE, axis=0)[compared])
-    return np.asarray(np.quantile(apart, SHARE, axis=0) / QUANTILE / of_one)
+    for length, degree in WINDOWS:
+        clear = _in_flight(frame, places, length)
+        if clear.sum() >= FEWEST:
+            windows = np.lib.stride_tricks.sliding_window_view(places, length, axis=0)[clear]
+            return _scatter(windows, degree)
+    return np.zeros(2)
+
+
+def _in_flight(frame: npt.NDArray[np.int64], places: FloatArray, length: int) -> npt.NDArray[np.bool_]:
+    """Tell of each window of so many frames whether the ball moves in it all the time and does not bounce."""
+    if len(frame) < length:
+        return np.zeros(0, dtype=bool)
+    moving = np.hypot(*np.diff(places, axis=0).T) > MOVING_PX
+    rising = np.diff(places[:, 1]) < 0
+    bounced = np.append(False, rising[1:] & ~rising[:-1])
+    spoiled = np.append(0, np.cumsum(~moving | bounced))
+    return np.asarray(
+        (frame[length - 1 :] - frame[: 1 - length] == length - 1)
+        & (spoiled[length - 1 :] == spoiled[: len(spoiled) - length + 1])
+    )
+
+
+def _scatter(windows: FloatArray, degree: int) -> FloatArray:
+    """Give the standard deviation about a polynomial through each window, (n, 2, frames)."""
+    length = windows.shape[-1]
+    free = length - degree - 1
+    smooth, _ = np.linalg.qr(np.vander(np.linspace(-1, 1, length), degree + 1))
+    rest = windows - windows @ smooth @ smooth.T
+    variance = np.quantile(np.sum(rest**2, axis=-1) / free, SHARE, axis=0)
+    return np.asarray(np.sqrt(variance * free / chi2.ppf(SHARE, free)))
