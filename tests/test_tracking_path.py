@@ -55,3 +55,13 @@ def test_a_round_piece_of_a_hand_outvotes_no_ball() -> None:
         tremble = 3.0 * (-1) ** number
         frame.append(replace(BALL, x=200, y=40 + tremble, width=14, height=14, area=154, contrast=200))
     assert guess_radius(frames) == 21
+
+
+def test_a_knuckle_at_rest_is_left_at_once_or_through_a_smear_but_a_ball_that_is_let_go_is_not() -> None:
+    held = [[replace(BALL, y=50)] for _ in range(30)]
+    fallen = [[replace(BALL, y=150 + 0.5 * number**2)] for number in range(20)]
+    smear = [[replace(BALL, y=80)]]
+    assert best_path([*held, *fallen], 20) == [-1] * 30 + [0] * 20
+    assert best_path([*held, *smear, *fallen], 20) == [-1] * 31 + [0] * 20
+    slow_camera = [[replace(BALL, y=50 + 24.0 * number**2)] for number in range(1, 6)]
+    assert best_path([*held, *slow_camera], 20) == [0] * 35

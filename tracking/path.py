@@ -200,8 +200,16 @@ def _without_ghosts(chosen: list[int], frames: Sequence[Sequence[Blob]], radius:
     seen = [number for number, index in enumerate(chosen) if index != MISSING]
     for order in (seen, seen[::-1]):
         height = np.array([frames[number][chosen[number]].y for number in order])
-        rested = np.flatnonzero(np.abs(height - height[:1]) > radius / 2)
-        if rested.size and rested[0] >= RESTING and abs(height[rested[0]] - height[0]) > JUMP * radius:
-            for number in order[: rested[0]]:
+        way = np.abs(height - height[:1])
+        rested = int(np.argmax(way > radius / 2)) if way.max(initial=0.0) > radius / 2 else 0
+        if rested >= RESTING and _jumps(way[rested : rested + RESTING], radius):
+            half_way = int(way[rested] <= JUMP * radius)
+            for number in order[: rested + half_way]:
                 chosen[number] = MISSING
     return chosen
+
+
+def _jumps(way: FloatArray, radius: float) -> bool:
+    """Tell a jump, at once or in ever shorter steps, from a fall, by the way from rest in the next places."""
+    slower = way[-1] - way[-2] < way[0] if len(way) > 1 else False
+    return bool(way[0] > JUMP * radius or (slower and way[-1] > JUMP * radius))

@@ -53,7 +53,8 @@ def _in_flight(frame: npt.NDArray[np.int64], places: FloatArray, length: int) ->
         return np.zeros(0, dtype=bool)
     moving = np.hypot(*np.diff(places, axis=0).T) > MOVING_PX
     rising = np.diff(places[:, 1]) < 0
-    bounced = np.append(False, rising[1:] & ~rising[:-1])
+    lowest = rising[1:] & ~rising[:-1]  # shortly before or after a bounce
+    bounced = np.append(lowest, False) | np.append(False, lowest)
     spoiled = np.append(0, np.cumsum(~moving | bounced))
     return np.asarray(
         (frame[length - 1 :] - frame[: 1 - length] == length - 1)
