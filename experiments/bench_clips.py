@@ -66,7 +66,7 @@ def film(scene: DropScene, crf: int | None) -> Filmed:
     """
     with tempfile.TemporaryDirectory() as folder:
         clip = Path(folder) / "clip.mp4"
-        truth = write_recording(scene, clip, crf=crf, preset=PRESET)
+        truth = write_recording(scene, clip, crf=crf, preset=PRESET, tree=True)
         recording = open_recording(clip)
         (track,) = track_balls(recording)
         return Filmed(scene=scene, truth=truth, recording=recording, track=track)

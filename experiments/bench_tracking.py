@@ -48,7 +48,7 @@ def throughput() -> Iterator[Measured]:
         for file, (strengths, preset) in FILES.items():
             for name, scene in PICTURES.items():
                 clip = Path(folder) / f"{name}.mp4"
-                shown = write_recording(scene, clip, crf=strengths[name], preset=preset)
+                shown = write_recording(scene, clip, crf=strengths[name], preset=preset, tree=True)
                 seconds = shown["frames"] / scene.camera.fps
                 rate = 8e-6 * clip.stat().st_size / seconds
                 yield from _ratios(clip, f"{name} H.264 {file} ({rate:.2g} Mbit/s)")

@@ -102,9 +102,10 @@ def test_file_has_the_truth_beside_it_and_exact_time_stamps(tmp_path: Path, fps:
     assert times == pytest.approx(np.arange(shown["frames"]) / fps, rel=1e-5)
 
 
-def test_same_scene_same_file(tmp_path: Path) -> None:
+@pytest.mark.parametrize("preset", ["ultrafast", "veryfast"])
+def test_same_scene_same_file(tmp_path: Path, preset: str) -> None:
     for name in ("one.mp4", "two.mp4"):
-        write_recording(PLATE, tmp_path / name)
+        write_recording(PLATE, tmp_path / name, preset=preset)
     assert (tmp_path / "one.mp4").read_bytes() == (tmp_path / "two.mp4").read_bytes()
 
 

@@ -101,7 +101,12 @@ def truth(scene: DropScene) -> dict[str, Any]:
 
 
 def write_recording(
-    scene: DropScene, path: Path | str, *, crf: int | None = 20, preset: str = "ultrafast"
+    scene: DropScene,
+    path: Path | str,
+    *,
+    crf: int | None = 20,
+    preset: str = "ultrafast",
+    tree: bool = False,
 ) -> dict[str, Any]:
     """Write the video to `path` and its truth beside it, as JSON with the same name.
 
@@ -115,6 +120,8 @@ def write_recording(
         Strength of the compression: None none at all, 0 of colour only, 20 good, 35 poor.
     preset : str
         Speed of x264 against how well it follows what moves.
+    tree : bool
+        Whether x264 may take bits from what moves, as programs let it and cameras do not.
 
     Returns
     -------
@@ -125,7 +132,7 @@ def write_recording(
     stretch = camera.fps / shown["file_fps"]
     times = frame_times(scene, play(scene)) * stretch if camera.jitter else None
     clear_places(path)
-    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset=preset, times=times)
+    write_video(path, frames(scene), shown["file_fps"], crf=crf, preset=preset, tree=tree, times=times)
     path.with_suffix(".json").write_text(json.dumps(shown, indent=1) + "\n")
     return shown
 
