@@ -3,13 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from scipy.stats import binom
 
 from calibrate.coverage import simulated_estimate
 from experiments.coverage import DESIGNS, RATIOS, compute
 
-EXPERIMENTS = 50
-CHANCE = 0.01  # of so many experiments to be as bad as they are by chance, if sets keep their promise
+EXPERIMENTS = 200  # of fifty with a true share of 92.5 %, a third would hold fewer than 45
 
 
 @pytest.mark.slow
@@ -18,9 +16,9 @@ CHANCE = 0.01  # of so many experiments to be as bad as they are by chance, if s
 def test_the_95_percent_set_holds_the_truth_and_one_value_is_hardly_ever_wrong(
     ratio: float, design: str
 ) -> None:
-    (counted,) = compute(design, EXPERIMENTS, ratios=[ratio])
-    assert binom.cdf(counted.held, EXPERIMENTS, 0.95) > CHANCE
-    assert binom.sf(counted.wrong - 1, EXPERIMENTS, 0.05) > CHANCE
+    (counted,) = compute(design, EXPERIMENTS, workers=2, ratios=[ratio])
+    assert counted.held >= 0.9 * EXPERIMENTS
+    assert counted.wrong <= 0.05 * EXPERIMENTS
 
 
 @pytest.mark.slow

@@ -56,7 +56,7 @@ def finished(folder: Path, out: Path, *words: str) -> int:
 
 @pytest.fixture(scope="module")
 def folder(plate_clip: Clip, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Four recordings, one of them cut short."""
+    """Nine recordings, one of them cut short."""
     folder = tmp_path_factory.mktemp("drops")
     content = plate_clip.path.read_bytes()
     for name in "abcdefgh":

@@ -8,7 +8,6 @@ import pytest
 from clips import film
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binom
 from tracks import RADIUS, as_track
 
 from tracking.flight import Air, flight_of_ball, position
@@ -135,5 +134,5 @@ def test_low_hops_are_as_sure_as_they_state(tmp_path: Path) -> None:
         impact, truth = filmed(tmp_path, hop, fps=fps, crf=(None, 18, 20, 23)[number % 4], seed=number)
         pulls.append((impact.velocities[2] - truth[2]) / impact.sd[2])
         assert impact.gravity_check == pytest.approx(1, abs=0.02)
-    assert binom.cdf(np.sum(np.abs(pulls) < 2), len(pulls), 0.954) > 0.01  # by chance there may be fewer
+    assert np.mean(np.abs(pulls) < 2) > 0.9
     assert np.sqrt(np.mean(np.square(pulls))) < 1.4

@@ -83,7 +83,10 @@ def low_hop(lower: Track, impact: float, flight: Flight) -> tuple[float, float] 
 
 
 def _seeming(track: Track) -> float:
-    """Share of an error with memory that `path_scatter` sees, which takes third differences of neighbours."""
+    """Share of an error with memory that third differences of neighbours see.
+
+    `path_scatter` sees more of it where a ball flies; velocities of hops are as sure as stated with this.
+    """
     alike = float(np.exp(-np.median(np.diff(track.time)) / MEMORY))
     return max(float(np.sqrt(np.polyval([-0.1, 0.6, -1.5, 1.0], alike))), LEAST_SEEMING)
 

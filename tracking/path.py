@@ -201,8 +201,8 @@ def _without_ghosts(chosen: list[int], frames: Sequence[Sequence[Blob]], radius:
     for order in (seen, seen[::-1]):
         height = np.array([frames[number][chosen[number]].y for number in order])
         way = np.abs(height - height[:1])
-        rested = int(np.argmax(way > radius / 2)) if way.max(initial=0.0) > radius / 2 else 0
-        if rested >= RESTING and _jumps(way[rested : rested + RESTING], radius):
+        rested = np.count_nonzero(np.maximum.accumulate(way) <= radius / 2)
+        if RESTING <= rested < len(way) and _jumps(way[rested : rested + RESTING], radius):
             half_way = int(way[rested] <= JUMP * radius)
             for number in order[: rested + half_way]:
                 chosen[number] = MISSING
@@ -211,5 +211,5 @@ def _without_ghosts(chosen: list[int], frames: Sequence[Sequence[Blob]], radius:
 
 def _jumps(way: FloatArray, radius: float) -> bool:
     """Tell a jump, at once or in ever shorter steps, from a fall, by the way from rest in the next places."""
-    slower = way[-1] - way[-2] < way[0] if len(way) > 1 else False
+    slower = len(way) > 1 and way[-1] - way[-2] < way[0]
     return bool(way[0] > JUMP * radius or (slower and way[-1] > JUMP * radius))
