@@ -1,5 +1,6 @@
 """The limb of a ball: no shading moves its centre, and its stated errors are true."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -31,6 +32,14 @@ def by_limb(images: list[Image]) -> tuple[Limb, list[Circle]]:
     return limb, [circle for circle in circles if circle is not None]
 
 
+def with_less_colour(image: Image) -> Image:
+    """Keep one colour of four pixels, as recordings do."""
+    brightness, *colours = cv2.split(cv2.cvtColor(image, cv2.COLOR_BGR2YCrCb))
+    few = [cv2.resize(colour, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for colour in colours]
+    again = [cv2.resize(colour, brightness.shape[::-1], interpolation=cv2.INTER_LINEAR) for colour in few]
+    return np.asarray(cv2.cvtColor(cv2.merge((brightness, *again)), cv2.COLOR_YCrCb2BGR), np.uint8)
+
+
 def off(circles: list[Circle]) -> np.ndarray:
     return np.array([(circle.x, circle.y) for circle in circles]) - PLACE
 
@@ -47,6 +56,22 @@ def test_shading_moves_edges_but_not_the_limb() -> None:
     assert np.hypot(*off(edges(images)).mean(axis=0)) > 0.08
     assert np.hypot(*off(circles).mean(axis=0)) < 0.05
     assert limb.shading > 0.3
+
+
+@pytest.mark.parametrize("shading", [0.0, 1.0])
+def test_recordings_that_keep_a_quarter_of_the_colour_soften_its_edges_and_move_none(shading: float) -> None:
+    whole, _ = by_limb(pictures(shading, 12))
+    limb, circles = by_limb([with_less_colour(image) for image in pictures(shading, 12)])
+    assert limb.blur == pytest.approx(whole.blur, abs=0.05)
+    assert limb.colour_blur > whole.colour_blur + 0.4
+    assert np.abs(off(circles).mean(axis=0)).max() < 0.015
+
+
+def test_ball_as_grey_as_its_wall_tells_no_blur_of_colour_and_is_seen_all_the_same() -> None:
+    grey = [np.repeat(image[..., :1], 3, axis=2) for image in pictures(0.0, 8)]
+    limb, circles = by_limb(grey)
+    assert 0.5 < limb.blur < 0.75
+    assert np.abs(off(circles)).max() < 0.05
 
 
 @pytest.mark.parametrize("shading", [0.0, 1.0])

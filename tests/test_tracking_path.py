@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from tracking.blob import Blob
-from tracking.path import best_path, guess_radius
+from tracking.path import best_path, guess_radius, sharper
 
 BALL = Blob(
     x=120,
@@ -65,3 +65,12 @@ def test_a_knuckle_at_rest_is_left_at_once_or_through_a_smear_but_a_ball_that_is
     assert best_path([*held, *smear, *fallen], 20) == [-1] * 31 + [0] * 20
     slow_camera = [[replace(BALL, y=50 + 24.0 * number**2)] for number in range(1, 6)]
     assert best_path([*held, *slow_camera], 20) == [0] * 35
+
+
+def test_sharp_pictures_are_chosen_all_along_a_path_not_where_a_hand_holds_the_ball() -> None:
+    held, falling = 20, 80
+    path = {k: replace(BALL, width=42, height=42 + 0.2 * max(k - held, 0)) for k in range(held + falling)}
+    chosen = sharper(path, 9)
+    assert len(chosen) == 9
+    assert sum(k < held for k in chosen) <= 4
+    assert max(chosen) <= (held + falling) // 2

@@ -19,11 +19,14 @@ __all__ = ["Limb", "measure_limb", "sharpen"]
 FloatArray = npt.NDArray[np.float64]
 
 FURTHEST_PX = 1.0  # a rim is seen off the circle around which it is sought
-SETTLED_PX = 0.1  # a circle that the limb moves by more is looked at again
+SETTLED_PX = 0.1  # a circle that the limb moves or widens by more is looked at again,
+LOOKS = 5  # ... so often in all
 MEASURING_STEPS = 4
 LARGEST_STEP = 0.4
 BLURS = (0.4, 3.0)
-SHADINGS = (0.0, 1.0)  # compression alone looks like more
+SHADINGS = (0.0, 0.9)  # compression alone looks like more
+OF_BRIGHTNESS, OF_COLOUR = (0, 1, 3), (0, 2, 3)  # which of rim, two blurs and shading either tells
+LEAST_KNOWN = 1e-3  # of all that is known: a grey ball tells nothing of the blur of colour
 
 
 def measure_limb(images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray) -> Limb:
@@ -37,22 +40,31 @@ def measure_limb(images: Sequence[Image | Patch], circles: Sequence[Circle], blu
         Way of the ball up or down during the exposure, px.
     """
     places = np.array([(circle.x, circle.y, circle.radius) for circle in circles])
-    shape = np.array([Limb().blur, Limb().shading])
+    shape = np.array([Limb().blur, Limb().colour_blur, Limb().shading])
     to_rim = np.column_stack((DIRECTIONS, np.ones(len(ANGLES))))
     for _ in range(MEASURING_STEPS):
-        seen = look(images, places, blur, Limb(blur=float(shape[0]), shading=float(shape[1])), len(SLOPES))
-        weighed = seen.information * seen.weights[..., None, None]
-        pull = seen.pull * seen.weights[..., None]
+        weighed, pull = _told(look(images, places, blur, Limb(*shape.tolist()), len(SLOPES)))
         own = np.einsum("ra,nr,rb->nab", to_rim, weighed[..., 0, 0], to_rim)
         mixed = np.einsum("ra,nrs->nas", to_rim, weighed[..., 0, 1:])
         towards = np.einsum("ra,nr->na", to_rim, pull[..., 0])
         without = np.swapaxes(np.linalg.solve(own, mixed), 1, 2)  # the pictures' own places eliminated
-        shared = weighed[..., 1:, 1:].sum(axis=1) - without @ mixed
+        shared = (weighed[..., 1:, 1:].sum(axis=1) - without @ mixed).sum(axis=0)
         right = pull[..., 1:].sum(axis=1) - np.einsum("nsa,na->ns", without, towards)
-        step = np.linalg.solve(shared.sum(axis=0), right.sum(axis=0)).clip(-LARGEST_STEP, LARGEST_STEP)
-        shape = np.clip(shape + step, *np.transpose((BLURS, SHADINGS)))
+        shared += LEAST_KNOWN * np.trace(shared) * np.eye(len(shape))
+        step = np.linalg.solve(shared, right.sum(axis=0)).clip(-LARGEST_STEP, LARGEST_STEP)
+        shape = np.clip(shape + step, *np.transpose((BLURS, BLURS, SHADINGS)))
         places += np.linalg.solve(own, (towards - mixed @ step)[..., None])[..., 0].clip(-0.5, 0.5)
-    return Limb(blur=float(shape[0]), shading=float(shape[1]))
+    return Limb(*shape.tolist())
+
+
+def _told(seen: Look) -> tuple[FloatArray, FloatArray]:
+    """Weigh what rays tell of rim, both blurs and shading: information (n, rays, 4, 4), pull (n, rays, 4)."""
+    shape = (*seen.weights.shape, 4)
+    information, pull = np.zeros((*shape, 4)), np.zeros(shape)
+    for kind, own in enumerate((OF_BRIGHTNESS, OF_COLOUR)):
+        information[..., np.array(own)[:, None], own] += seen.information[:, kind]
+        pull[..., own] += seen.pull[:, kind]
+    return information * seen.weights[..., None, None], pull * seen.weights[..., None]
 
 
 def sharpen(
@@ -69,17 +81,24 @@ def sharpen(
     limb : as `measure_limb` gives it
     """
     rims, fitted = _once(images, circles, blur, limb)
-    again = [
-        i
-        for i, (first, then) in enumerate(zip(circles, fitted, strict=True))
-        if then is not None and np.hypot(then.x - first.x, then.y - first.y) > SETTLED_PX
-    ]
-    moved = [then for i in again if (then := fitted[i]) is not None]
-    for i, rim, circle in zip(
-        again, *_once([images[i] for i in again], moved, blur[again], limb), strict=True
-    ):
-        rims[i], fitted[i] = rim, circle
+    before = list(circles)
+    for _ in range(LOOKS - 1):
+        again = [(i, then) for i, then in enumerate(fitted) if then is not None and _moved(before[i], then)]
+        if not again:
+            break
+        for i, then in again:
+            before[i] = then
+        which = [i for i, _ in again]
+        seen = _once([images[i] for i in which], [then for _, then in again], blur[which], limb)
+        for i, rim, circle in zip(which, *seen, strict=True):
+            rims[i], fitted[i] = rim, circle
     return rims, fitted
+
+
+def _moved(before: Circle, then: Circle) -> bool:
+    """Whether a circle is another one."""
+    by = np.hypot(then.x - before.x, then.y - before.y) + abs(then.radius - before.radius)
+    return bool(by > SETTLED_PX)
 
 
 def _once(
@@ -94,8 +113,8 @@ def _once(
 def _rims(seen: Look, places: FloatArray, contrasts: Sequence[float]) -> list[Rim]:
     """Join rays side by side, each counting as much as it knows."""
     apart = (len(places), RAYS, TWINS)
-    known = (seen.information[..., 0, 0] * seen.weights).reshape(apart).sum(axis=2)
-    pull = (seen.pull[..., 0] * seen.weights).reshape(apart).sum(axis=2)
+    known = (seen.information[..., 0, 0].sum(axis=1) * seen.weights).reshape(apart).sum(axis=2)
+    pull = (seen.pull[..., 0].sum(axis=1) * seen.weights).reshape(apart).sum(axis=2)
     there = known > 0
     shift = np.divide(pull, known, out=np.full_like(pull, np.nan), where=there)
     middle = DIRECTIONS.reshape(RAYS, TWINS, 2).mean(axis=1)

@@ -1,4 +1,7 @@
-"""The compiled part of `limb_model`: levels along the rays of a circle, compared with the model."""
+"""The compiled part of `limb_model`: levels along the rays of a circle, compared with the model.
+
+Brightness and colour are looked at apart: recordings keep a quarter of the colour, so its edges are softer.
+"""
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +17,9 @@ Flags = npt.NDArray[np.bool_]
 Room = tuple[npt.NDArray[np.int64], SingleArray, SingleArray]
 
 COLOURS = 3
+BRIGHTNESS, COLOUR = 0, 1  # kinds of levels: the second are two, and more blurred
+LUMA = np.array((0.114, 0.587, 0.299), dtype=np.float32)  # shares of blue, green and red in brightness
+SCALE = np.array((1.73, 1.02, 1.12), dtype=np.float32)  # squares add up as those of blue, green and red do
 SHARPNESS = np.float32(-0.75)  # of cubic interpolation, as OpenCV has it
 LEAST_LEFT = np.float32(1.0)
 ZERO, ONE, TWO, THREE = np.arange(4, dtype=np.float32)  # of single precision, or all would be double
@@ -34,14 +40,14 @@ def compare(
     ----------
     image : (height, width × 3) array
     rays : the circle (3,); offsets from it (samples,) and directions (rays, 2)
-    model : factors, gram and lit of `limb_model`
-    seen : information (rays, kinds, kinds), pull (rays, kinds) and variance (rays,), as `Look` has them;
-        zeros and infinity on rays that leave the picture
+    model : factors, gram and lit of `limb_model`, of one way
+    seen : information (2, rays, kinds, kinds), pull (2, rays, kinds) and variance (rays,), as `Look` has
+        them; zeros and infinity on rays that leave the picture
     """
     factors, gram, lit = model
     information, pull, variance = seen
     inside, products, squares = _seen_along(image, rays, factors)
-    count, light = len(inside), REST + 2 * pull.shape[1]
+    count, light = len(inside), REST + 2 * pull.shape[2]
     brightest = np.zeros(COLOURS, dtype=np.float32)
     for ray in range(count):
         for colour in range(COLOURS):
@@ -50,31 +56,34 @@ def compare(
         if inside[ray]:
             left = np.float32(0)
             for colour in range(COLOURS):
-                own = products[ray, colour]
-                facing = min(max(own[INNER] / max(brightest[colour], ONE), ZERO), ONE)
-                missing = own[INNER] * (ONE - facing * facing)
-                left += squares[ray, colour] + missing * (TWO * own[light] + missing * lit[ray, light])
+                own, shaded = products[ray, colour], lit[min(colour, COLOUR), ray]
+                facing = own[INNER] * brightest[colour] / max(brightest[colour] ** 2, ONE)
+                missing = own[INNER] * (ONE - min(max(facing, ZERO), ONE) ** 3)
+                left += squares[ray, colour] + missing * (TWO * own[light] + missing * shaded[light])
                 for row in range(light):
-                    own[row] += missing * lit[ray, row]
+                    own[row] += missing * shaded[row]
                 left -= own[SHARE] ** 2 + own[SHARE + 1] ** 2
-            variance[ray] = max(left, LEAST_LEFT) / (COLOURS * (factors.shape[1] - 2))
-            _tell(products[ray], gram[ray], information[ray], pull[ray])
+            variance[ray] = max(left, LEAST_LEFT) / (COLOURS * (factors.shape[2] - 2))
+            for kind in range(COLOUR + 1):
+                some = products[ray, :COLOUR] if kind == BRIGHTNESS else products[ray, COLOUR:]
+                _tell(some, gram[kind, ray], information[kind, ray], pull[kind, ray])
 
 
 @part
 def _seen_along(image: Image, rays: Ray, factors: SingleArray) -> tuple[Flags, SingleArray, SingleArray]:
     """Multiply the levels along all rays with factors: which rays lie inside, products, sums of squares."""
-    count, samples, width = factors.shape
+    _, count, samples, width = factors.shape
     inside = np.empty(count, dtype=np.bool_)
     products = np.zeros((count, COLOURS, width), dtype=np.float32)
     squares = np.zeros((count, COLOURS), dtype=np.float32)
-    levels, line = _singly(image), np.empty((COLOURS, samples), dtype=np.float32)
+    levels, line = _apart(image), np.empty((COLOURS, samples), dtype=np.float32)
     near, weights = np.empty(4 * COLOURS, dtype=np.float32), np.empty((8, samples), dtype=np.float32)
     room = np.empty((2, samples), dtype=np.int64), weights, near
     for ray in range(count):
         inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line)
         for colour in range(COLOURS if inside[ray] else 0):
-            squares[ray, colour] = _multiply(line[colour], factors[ray], products[ray, colour])
+            own = factors[min(colour, COLOUR), ray]
+            squares[ray, colour] = _multiply(line[colour], own, products[ray, colour])
     return inside, products, squares
 
 
@@ -95,7 +104,7 @@ def _multiply(levels: SingleArray, factors: SingleArray, products: SingleArray) 
 
 @part
 def _tell(products: SingleArray, gram: SingleArray, information: FloatArray, pull: FloatArray) -> None:
-    """Write what one ray tells: sums over colours, and over the slopes of outer and inner level's shapes."""
+    """Write what one ray tells: sums over levels, and over the slopes of outer and inner level's shapes."""
     kinds = len(pull)
     for end in range(INNER + 1):
         for kind in range(kinds):
@@ -109,20 +118,28 @@ def _tell(products: SingleArray, gram: SingleArray, information: FloatArray, pul
 
 @inlined
 def _both(products: SingleArray, one: int, other: int) -> np.float32:
-    """Sum over colours of two products, multiplied."""
+    """Sum over levels of two products, multiplied."""
     total = np.float32(0)
-    for colour in range(COLOURS):
-        total += products[colour, one] * products[colour, other]
+    for level in range(len(products)):
+        total += products[level, one] * products[level, other]
     return total
 
 
 @part
-def _singly(image: Image) -> SingleArray:
-    """Give levels as numbers of single precision."""
+def _apart(image: Image) -> SingleArray:
+    """Turn blue, green and red into brightness and two colours: what blue and red have more than that."""
     levels = np.empty(image.shape, dtype=np.float32)
     for row in range(len(image)):
-        for k in range(image.shape[1]):
-            levels[row, k] = image[row, k]
+        for k in range(0, image.shape[1], COLOURS):
+            blue, green, red = (
+                np.float32(image[row, k]),
+                np.float32(image[row, k + 1]),
+                np.float32(image[row, k + 2]),
+            )
+            bright = LUMA[0] * blue + LUMA[1] * green + LUMA[2] * red
+            levels[row, k] = SCALE[0] * bright
+            levels[row, k + 1] = SCALE[1] * (blue - bright)
+            levels[row, k + 2] = SCALE[2] * (red - bright)
     return levels
 
 

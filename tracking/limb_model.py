@@ -7,10 +7,12 @@ Here the levels on each ray are
     outer (1 - C(u)) + inner (C(u) + shading T(u)),     u: distance from the rim, outwards
 
 with C the share of ball in a blurred pixel and T the blurred sqrt(1 - r²/R²). Outer and inner level are free
-on every ray and in every colour; blur and shading are one `Limb` for all pictures of a ball. Where the ball
-is darker than on average it faces away from the lamp and its light falls off less (Lambert's law): shading is
-taken to be less there, by the square of the levels' ratio. The place of the rim follows by least squares,
-linearized about a circle found before (variable projection: Golub & Pereyra, doi:10.1137/0710036).
+on every ray, in brightness and in two colours; blur and shading are one `Limb` for all pictures of a ball.
+Recordings keep less of colour than of brightness, and its edges are softer: it has a blur of its own. Where
+the ball is darker than on average it faces away from the lamp and its light falls off less (Lambert's law):
+shading is taken to be less there, by the third power of the levels' ratio. The place of the rim follows by
+least squares, linearized about a circle found before (variable projection: Golub & Pereyra,
+doi:10.1137/0710036).
 """
 
 from collections.abc import Sequence
@@ -49,19 +51,23 @@ _ROOTS = np.array(
 """Mean root of a depth that is blurred by one standard deviation."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Limb:
-    """Blur of a ball's edge, standard deviation in px, and the share by which its light rises inwards."""
+    """Blur of a ball's edge in brightness and in colour, standard deviations in px, and its shading.
+
+    `shading` is the share by which its light rises inwards.
+    """
 
     blur: float = 0.8
+    colour_blur: float = 1.2
     shading: float = 0.3
 
 
 class Look(NamedTuple):
     """What all rays say about rim (px outwards), blur and shading: least squares of their levels.
 
-    `information` (n, rays, kinds, kinds) and `pull` (n, rays, kinds) of all three, or of the rim alone;
-    `variance` of the levels about the model (n, rays).
+    `information` (n, 2, rays, kinds, kinds) and `pull` (n, 2, rays, kinds) of all three, or of the rim alone,
+    by brightness and by colour; `variance` of the levels about the model (n, rays).
     """
 
     information: FloatArray
@@ -78,8 +84,12 @@ def look(
     images: Sequence[Image | Patch], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1
 ) -> Look:
     """Compare the levels along all rays with the model, linearized about the circles at `places`."""
-    count = (len(images), len(ANGLES))
-    seen = Look(np.zeros((*count, kinds, kinds)), np.zeros((*count, kinds)), np.full(count, np.inf))
+    count, rays = len(images), len(ANGLES)
+    seen = Look(
+        np.zeros((count, 2, rays, kinds, kinds)),
+        np.zeros((count, 2, rays, kinds)),
+        np.full((count, rays), np.inf),
+    )
     radius = float(np.median(places[:, 2])) if len(places) else 1.0
     ways, way_of = np.unique(np.round(blur), return_inverse=True)
     offsets, *models = _models(limb, radius, ways, kinds)
@@ -101,11 +111,12 @@ def look(
 class _Models(NamedTuple):
     """The model of one limb, linearized, for several ways: what to multiply the levels on each ray with.
 
-    `offsets` (ways, samples) are distances from the rim, px. `factors` (ways, rays, samples, 5 + 2 kinds, and
-    as many zeros as make it easier) give outer and inner level, the levels' share within the model, what is
-    left along the slopes of either level's shape by rim, blur and shading, or by the rim alone, and last
-    shading · T. `gram` (ways, rays, 4, kinds²) are the products of those slopes, `lit` (ways, rays, 5 + 2
-    kinds) are what the factors make of shading · T itself.
+    `offsets` (ways, samples) are distances from the rim, px; all else is for brightness and for colour.
+    `factors` (ways, 2, rays, samples, 5 + 2 kinds, and as many zeros as make it easier) give outer and inner
+    level, the levels' share within the model, what is left along the slopes of either level's shape by rim,
+    blur and shading, or by the rim alone, and last shading · T. `gram` (ways, 2, rays, 4, kinds²) are the
+    products of those slopes, `lit` (ways, 2, rays, 5 + 2 kinds) are what the factors make of shading · T
+    itself.
     """
 
     offsets: FloatArray
@@ -120,28 +131,49 @@ def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
     offsets = reach[:, None] * np.linspace(-1.0, 1.0, SAMPLES)
     smeared = ways[:, None, None] * _SLANTS[:, None] / np.sqrt(12)
 
-    def shapes(shift: float = 0.0, blur: float = 0.0) -> FloatArray:
-        ball, light = _shapes(offsets[:, None] - shift, np.hypot(limb.blur + blur, smeared), radius)
-        return np.stack((1 - ball, ball + limb.shading * light))
+    def shapes(width: float, shift: float = 0.0) -> FloatArray:
+        ball, light = _shapes(offsets[:, None] - shift, np.hypot(width, smeared), radius)
+        return np.stack((1 - ball, ball, light))
 
-    light = _shapes(offsets[:, None], np.hypot(limb.blur, smeared), radius)[1]
-    slopes = np.stack(
-        (
-            (shapes(shift=SMALL) - shapes(shift=-SMALL)) / (2 * SMALL),
-            (shapes(blur=SMALL) - shapes(blur=-SMALL)) / (2 * SMALL),
-            np.stack((np.zeros_like(light), light)),
-        )[:kinds]
-    ).reshape(2 * kinds, *light.shape)
-    levels, share = _solved(shapes())
+    both = [
+        _linearized(
+            shapes(width),
+            (shapes(width, SMALL) - shapes(width, -SMALL)) / (2 * SMALL),
+            (shapes(width + SMALL) - shapes(width - SMALL)) / (2 * SMALL),
+            (limb.shading, kinds),
+        )
+        for width in (limb.blur, limb.colour_blur)
+    ]
+    factors, gram, lit = (np.stack(values, axis=1) for values in zip(*both, strict=True))
+    return _Models(offsets, factors, gram, lit)
+
+
+def _linearized(
+    shapes: FloatArray, by_shift: FloatArray, by_blur: FloatArray, told: tuple[float, int]
+) -> tuple[SingleArray, SingleArray, SingleArray]:
+    """Make factors, gram and lit of one blur from 1 - C, C and T and their slopes by shift and by blur.
+
+    Shapes and slopes are (3, ways, slants, samples); `told` are shading and kinds.
+    """
+    shading, kinds = told
+    light = shading * shapes[2]
+    by_shading = np.stack((np.zeros_like(light), shapes[2]))
+    slopes = np.stack((*(_lit(slope, shading) for slope in (by_shift, by_blur)), by_shading)[:kinds])
+    levels, share = _solved(_lit(shapes, shading))
     left = slopes - sum(own * np.sum(own * slopes, axis=-1, keepdims=True) for own in share)
-    rows = np.concatenate((levels, share, left, limb.shading * light[None]))
-    lit = np.sum(rows * rows[-1], axis=-1)
-    apart = left.reshape(kinds, 2, *light.shape)
-    gram = np.einsum("keasn,lfasn->asefkl", apart, apart).reshape(*light.shape[:2], 4, kinds**2)
-    factors = np.zeros((*light.shape, -(-len(rows) // TOGETHER) * TOGETHER), dtype=np.float32)
+    rows = np.concatenate((levels, share, left.reshape(2 * kinds, *light.shape), light[None]))
+    lit = np.sum(rows * light, axis=-1)
+    gram = np.einsum("keasn,lfasn->asefkl", left, left).reshape(*light.shape[:2], 4, kinds**2)
+    factors = np.zeros((*light.shape, -(-len(rows) // TOGETHER) * TOGETHER))
     factors[..., : len(rows)] = np.moveaxis(rows, 0, -1)
-    each_ray = (np.take(values, _SLANT, axis=1) for values in (factors, gram, np.moveaxis(lit, 0, -1)))
-    return _Models(offsets, *(np.ascontiguousarray(values, dtype=np.float32) for values in each_ray))
+    all_rays = (np.take(values, _SLANT, axis=1) for values in (factors, gram, np.moveaxis(lit, 0, -1)))
+    of_factors, of_gram, of_lit = (values.astype(np.float32) for values in all_rays)
+    return of_factors, of_gram, of_lit
+
+
+def _lit(shapes: FloatArray, shading: float) -> FloatArray:
+    """Shapes of outer and inner level from those of 1 - C, C and T, or from their slopes."""
+    return np.stack((shapes[0], shapes[1] + shading * shapes[2]))
 
 
 def _solved(shapes: FloatArray) -> tuple[FloatArray, FloatArray]:

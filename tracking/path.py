@@ -1,6 +1,6 @@
 """Which patch of each picture is the ball: one path through the candidates of all frames."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -36,6 +36,15 @@ OTHER_SIZE = 0.25  # of the logarithm, from which two sizes are not one
 CLEARLY = 0.8  # of the cost with the middle size: another one that costs more is not believed
 GOES = 0.3  # of the way of the one that goes furthest: what goes less is no ball
 LONGEST_STEP = 16.0  # radii a frame: what is further away is another thing
+
+
+def sharper(path: Mapping[int, Blob], count: int) -> set[int]:
+    """Choose some frames of a path, all along it, from the half in which the ball is smeared less.
+
+    The sharpest of all would be those in which a hand still holds it.
+    """
+    half = sorted(sorted(path, key=lambda number: path[number].blur)[: len(path) // 2 + 1])
+    return {half[i] for i in np.linspace(0, len(half) - 1, count).astype(int)}
 
 
 def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:

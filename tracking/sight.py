@@ -8,6 +8,7 @@ import numpy.typing as npt
 from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
+from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
 from tracking.sighting import Cutting, Sighting, cut_out
@@ -23,7 +24,7 @@ MEMORY = 25  # sightings of which the median radius is expected
 SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
 REFITS = 3
 SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
-LIMB_FRAMES = 8  # pictures on which a ball's limb is measured, from the sharper half of all
+LIMB_FRAMES = 8  # pictures on which a ball's limb is measured
 
 
 def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
@@ -41,8 +42,7 @@ def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
 
 def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> Limb:
     """Measure the limb of a ball on some pictures in which its motion smears it little."""
-    sharper = sorted(sorted(path, key=lambda number: path[number].blur)[: len(path) // 2 + 1])
-    some = {sharper[i] for i in np.linspace(0, len(sharper) - 1, LIMB_FRAMES).astype(int)}
+    some = sharper(path, LIMB_FRAMES)
     cuttings = [_cut_on_path(view, path, radius) for view in revisit(recording, some)]
     return limb_of(cuttings, _sight_on_path(cuttings, path, radius))
 

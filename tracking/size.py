@@ -7,6 +7,7 @@ import numpy as np
 from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.consensus import agreed_circles
+from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sighting import Cutting, cut_out
 from tracking.video import revisit
@@ -33,7 +34,7 @@ def measure_radius(
     *,
     part: bool = True,
 ) -> float:
-    """Measure a ball's radius on some of the pictures in which it is least smeared by its motion.
+    """Measure a ball's radius on some of the pictures in which its motion smears it little.
 
     Each is fitted from several sizes and the sharpest outline believed: shading has softer edges, further in.
     Where even that is doubtful, as on a shaded ball before a wall of the same grey, circles are sought about
@@ -54,7 +55,7 @@ def measure_radius(
     float
         Radius, px; the guess if no outline is found.
     """
-    sharpest = set(sorted(path, key=lambda number: path[number].blur)[:RADIUS_FRAMES])
+    sharpest = sharper(path, RADIUS_FRAMES)
     found = []
     for view in revisit(recording, sharpest):
         ball = path[view.index]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from tracking.alike import fit_alike
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
 from tracking.candidates import find_candidates
 from tracking.circle import Guess, fit_circles
@@ -29,9 +30,8 @@ OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
-SHARED = 0.75  # of what scatters more than rims tell: compression errs as much alike at like height
+SHARED = 0.65  # of what scatters more than rims tell: compression errs as much alike at like height
 SHADING_SD = 0.22  # of how far a ball's shading moves its rim
-COMPRESSION_SD = 1.3  # of what frames share: compression moves a ball's rim in all of them alike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,13 +214,14 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
             f"{MINIMUM_DIAMETER_PX}; film it from nearer or zoom in"
         )
     guesses = [(s.circle.x, s.circle.y, radius) for s in sightings]
-    fits = fit_circles([s.rim for s in sightings], guesses, free_radius=False)
+    rims = [s.rim for s in sightings]
+    fits = fit_alike(rims, fit_circles(rims, guesses, free_radius=False))
     seen = [(s, circle) for s, circle in zip(sightings, fits, strict=True) if circle is not None]
     frame = np.array([s.frame for s, _ in seen], dtype=np.int64)
     places = np.array([(c.x, c.y) for _, c in seen]).reshape(-1, 2)
-    rims = np.maximum([(c.x_sd, c.y_sd) for _, c in seen], FINEST_PX).reshape(-1, 2)
+    by_rim = np.maximum([(c.x_sd, c.y_sd) for _, c in seen], FINEST_PX).reshape(-1, 2)
     # compression moves all of a ball, and no rim tells
-    unseen = np.sqrt(np.maximum(path_scatter(frame, places) ** 2 - np.median(rims**2, axis=0), 0.0))
+    unseen = np.sqrt(np.maximum(path_scatter(frame, places) ** 2 - np.median(by_rim**2, axis=0), 0.0))
     shared = SHARED * float(np.hypot(*unseen)) / np.sqrt(2)
     shading = float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2)
     return Track(
@@ -230,13 +231,13 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
         time=np.array([s.time for s, _ in seen]),
         x=places[:, 0],
         y=places[:, 1],
-        x_sd=np.hypot(rims, unseen)[:, 0],
-        y_sd=np.hypot(rims, unseen)[:, 1],
+        x_sd=np.hypot(by_rim, unseen)[:, 0],
+        y_sd=np.hypot(by_rim, unseen)[:, 1],
         arc=np.array([c.arc for _, c in seen]),
         radius=radius,
         radius_sd=radius_sd,
         shared_sd=shared,
-        offset_sd=float(np.hypot(SHADING_SD * shading, COMPRESSION_SD * shared)),
+        offset_sd=float(np.hypot(SHADING_SD * shading, shared)),
         sizes=np.array([s.circle.radius for s, _ in seen]),
     )
 
