@@ -76,12 +76,15 @@ def _seen_along(image: Image, rays: Ray, factors: SingleArray) -> tuple[Flags, S
     inside = np.empty(count, dtype=np.bool_)
     products = np.zeros((count, COLOURS, width), dtype=np.float32)
     squares = np.zeros((count, COLOURS), dtype=np.float32)
-    levels, line = _apart(image), np.empty((COLOURS, samples), dtype=np.float32)
+    levels, line = _singly(image), np.empty((COLOURS, samples), dtype=np.float32)
     near, weights = np.empty(4 * COLOURS, dtype=np.float32), np.empty((8, samples), dtype=np.float32)
     room = np.empty((2, samples), dtype=np.int64), weights, near
     for ray in range(count):
         inside[ray] = _sample(levels, (rays[0], rays[1], rays[2][ray]), room, line)
-        for colour in range(COLOURS if inside[ray] else 0):
+        if not inside[ray]:
+            continue
+        _set_apart(line)
+        for colour in range(COLOURS):
             own = factors[min(colour, COLOUR), ray]
             squares[ray, colour] = _multiply(line[colour], own, products[ray, colour])
     return inside, products, squares
@@ -126,21 +129,25 @@ def _both(products: SingleArray, one: int, other: int) -> np.float32:
 
 
 @part
-def _apart(image: Image) -> SingleArray:
-    """Turn blue, green and red into brightness and two colours: what blue and red have more than that."""
+def _singly(image: Image) -> SingleArray:
+    """Give levels as numbers of single precision."""
     levels = np.empty(image.shape, dtype=np.float32)
     for row in range(len(image)):
-        for k in range(0, image.shape[1], COLOURS):
-            blue, green, red = (
-                np.float32(image[row, k]),
-                np.float32(image[row, k + 1]),
-                np.float32(image[row, k + 2]),
-            )
-            bright = LUMA[0] * blue + LUMA[1] * green + LUMA[2] * red
-            levels[row, k] = SCALE[0] * bright
-            levels[row, k + 1] = SCALE[1] * (blue - bright)
-            levels[row, k + 2] = SCALE[2] * (red - bright)
+        for k in range(image.shape[1]):
+            levels[row, k] = image[row, k]
     return levels
+
+
+@part
+def _set_apart(line: SingleArray) -> None:
+    """Turn blue, green and red into brightness and two colours: what blue and red have more than that."""
+    blues, greens, reds = line[0], line[1], line[2]
+    for k in range(len(blues)):
+        blue, red = blues[k], reds[k]
+        bright = LUMA[0] * blue + LUMA[1] * greens[k] + LUMA[2] * red
+        blues[k] = SCALE[0] * bright
+        greens[k] = SCALE[1] * (blue - bright)
+        reds[k] = SCALE[2] * (red - bright)
 
 
 @part

@@ -8,7 +8,8 @@ import numpy as np
 from tracking.limb import Limb, measure_limb, sharpen
 from tracking.sighting import Cutting, Sighting
 
-FURTHEST_PX = 1.5  # a limb that moves a circle by more is not the ball's
+FURTHEST_PX = 1.5  # a limb that moves a circle by more is not the ball's,
+FURTHEST = 0.1  # ... nor one that does by this share of its radius, if that is more
 
 
 def limb_of(cuttings: Sequence[Cutting], seen: Sequence[Sighting]) -> Limb:
@@ -36,7 +37,7 @@ def sharpened(cuttings: Sequence[Cutting], seen: Sequence[Sighting], limb: Limb)
     for before, rim, circle in zip(seen, rims, circles, strict=True):
         if circle is not None:
             shift = (circle.x - before.circle.x, circle.y - before.circle.y)
-            if np.hypot(*shift) < FURTHEST_PX:
+            if np.hypot(*shift) < max(FURTHEST_PX, FURTHEST * circle.radius):
                 found.append(replace(before, rim=rim, circle=circle, shading=shift))
                 continue
         found.append(before)

@@ -30,7 +30,7 @@ OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
-SHARED = 0.65  # of what scatters more than rims tell: compression errs as much alike at like height
+SHARED = 0.75  # of what scatters more than rims tell: compression errs as much alike at like height
 SHADING_SD = 0.22  # of how far a ball's shading moves its rim
 
 
