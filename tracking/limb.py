@@ -26,7 +26,7 @@ FEW = 16  # pictures that tell how far light moves the edges in most of them
 MEASURING_STEPS = 4
 LARGEST_STEP = 0.4
 BLURS = (0.4, 3.0)
-SHADINGS = (0.0, 0.9)  # compression alone looks like more
+SHADINGS = (0.0, 0.85)  # compression alone looks like more
 OF_BRIGHTNESS, OF_COLOUR = (0, 1, 3), (0, 2, 3)  # which of rim, two blurs and shading either tells
 LEAST_KNOWN = 1e-3  # of all that is known: a grey ball tells nothing of the blur of colour
 
