@@ -129,9 +129,8 @@ def trend_of_gravity(rows: list[dict[str, Any]]) -> float:
     time, gravity, sd = np.array(
         [(row["time"], row["gravity_check"], row["gravity_check_sd"]) for row in rows]
     ).T
-    _, (covariance, *_) = np.polyfit(time, gravity, 1, w=1 / sd, cov="unscaled")
-    slope, _ = np.polyfit(time, gravity, 1, w=1 / sd)
-    return float(slope / np.sqrt(covariance[0]))
+    (slope, _), covariance = np.polyfit(time, gravity, 1, w=1 / sd, cov="unscaled")
+    return float(slope / np.sqrt(covariance[0, 0]))
 
 
 def mean_acceleration(track: Track, before: float) -> float:

@@ -55,16 +55,16 @@ def measure_radius(
     float
         Radius, px; the guess if no outline is found.
     """
-    sharpest = sharper(path, RADIUS_FRAMES)
+    some = sharper(path, RADIUS_FRAMES)
     found = []
-    for view in revisit(recording, sharpest):
+    for view in revisit(recording, some):
         ball = path[view.index]
         cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * guess)
         found.append((cutting, [(ball.x, ball.y, size * guess) for size in STARTING_SIZES]))
     circles = [_sharpest(fitted) for fitted in _settled(found, REACH)]
     if part and _doubt(circles) > DOUBTFUL:
         agreed = [
-            _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, sharpest)
+            _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, some)
         ]
         circles = [
             min((first, *others), key=_scatter)
