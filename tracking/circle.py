@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.patch import Patch, as_patch
+from tracking.patch import Patch, Patches, laid_out, part_of
 from tracking.planes import Image
-from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, fit_rim, see_rim
+from tracking.rim_kernel import ANGLES, MINIMUM_INLIERS, RAYS, fit_rims, see_rims
 from tracking.strands import side_by_side
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,6 +22,7 @@ Guess = tuple[float, float, float]
 """x, y and radius of a circle, px."""
 
 MARGIN_PX = 2.5  # a rim is blurred, and a guess is off, by less
+BEYOND_PX = 2.0  # levels are interpolated so far beyond what is looked at
 MINIMUM_ARC = np.deg2rad(120)
 INLIER = 0.1  # of a full weight
 ALIKE_PX = 1.8  # rays that meet the rim closer to each other see the same noise
@@ -67,7 +68,7 @@ class Rim:
 
 
 def find_rims(
-    images: Sequence[Image | Patch],
+    images: Sequence[Image | Patch] | Patches,
     guesses: Sequence[Guess] | FloatArray,
     *,
     reach: FloatArray | float,
@@ -87,15 +88,18 @@ def find_rims(
     """
     circles = np.array(guesses, dtype=np.float64).reshape(-1, 3)
     points = np.empty((len(circles), RAYS, 2))
-    far, smeared = (np.broadcast_to(value, len(circles)).tolist() for value in (reach, blur))
-    contrasts = [np.inf] * len(circles)
+    ways = np.array([np.broadcast_to(value, len(circles)) for value in (reach, blur)], dtype=np.float64)
+    contrasts, patches = np.empty(len(circles)), laid_out(images)
+    pictures = patches.levels, patches.places
 
-    def see(k: int) -> None:
-        patch = as_patch(images[k])
-        contrasts[k] = see_rim(patch.image, patch.corner, circles[k], (far[k], smeared[k]), points[k])
+    def see(first: int, step: int) -> None:
+        see_rims(pictures, circles, ways, (points, contrasts), (first, step))
 
     side_by_side(see, len(circles))
-    return [Rim(points=place, contrast=contrast) for place, contrast in zip(points, contrasts, strict=True)]
+    return [
+        Rim(points=place, contrast=contrast)
+        for place, contrast in zip(points, contrasts.tolist(), strict=True)
+    ]
 
 
 def fit_circles(
@@ -103,16 +107,20 @@ def fit_circles(
 ) -> list[Circle | None]:
     """Fit a circle to each rim, its radius free or as guessed; None where less than 120° of a rim agree."""
     circles = np.array(guesses, dtype=np.float64).reshape(-1, 3)
-    free, agreement = 3 if free_radius else 2, np.empty((len(rims), RAYS))
-    variances = [
-        fit_rim(rim.points, rim.weights, circle, free, own)
-        for rim, circle, own in zip(rims, circles, agreement, strict=True)
-    ]
+    points = np.array([rim.points for rim in rims]).reshape(-1, RAYS, 2)
+    weights = np.array([rim.weights for rim in rims]).reshape(-1, RAYS)
+    agreement, variances = np.empty(weights.shape), np.empty((len(rims), 2))
+
+    def fit(first: int, step: int) -> None:
+        free = 3 if free_radius else 2
+        fit_rims((points, weights), circles, free, (agreement, variances), (first, step))
+
+    side_by_side(fit, len(rims))
     inlying = agreement > INLIER
     share = inlying.sum(axis=1) / RAYS
     arc = (inlying @ _IN_SECTOR).sum(axis=1) * SECTOR
     alike = np.maximum(ALIKE_PX * RAYS / (2 * np.pi * np.maximum(circles[:, 2:], 1)), 1)
-    sd = np.sqrt(np.reshape(variances, (-1, 2)) * alike)
+    sd = np.sqrt(variances * alike)
     good = (share >= MINIMUM_INLIERS) & (arc >= MINIMUM_ARC) & np.isfinite(circles).all(axis=1)
     found = np.column_stack((circles, sd, share, arc)).tolist()
     return [
@@ -125,7 +133,7 @@ def fit_circles(
 
 def find_rim(image: Image, guess: Guess, *, reach: float) -> Rim:
     """Look for the rim of a ball in one picture, as `find_rims` does."""
-    return find_rims([image], [guess], reach=reach)[0]
+    return find_rims([part_of(image, guess[:2], guess[2] + reach + BEYOND_PX)], [guess], reach=reach)[0]
 
 
 def fit_circle(rim: Rim, guess: Guess, *, free_radius: bool) -> Circle | None:

@@ -23,7 +23,7 @@ compiled: Callable[[Function], Function] = njit(**OPTIONS)
 """Compile a function to machine code on first call, keep the code on disk, and let other threads run.
 
 What is kept is renewed when the function's own file changes, so what it calls is in the same file, or in
-`median`, which has no reason to change.
+`median` or `single`, which have no reason to change.
 """
 part: Callable[[Function], Function] = njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)
 """The same for a function that only compiled ones call: without wrappers for Python it compiles sooner."""

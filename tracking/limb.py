@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.circle import Circle, Rim, fit_circles
-from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Limb, Look, look
-from tracking.patch import Patch
+from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Expected, Limb, Look, expect, look
+from tracking.patch import Patch, Patches, laid_out
 from tracking.planes import Image
 from tracking.rim_kernel import RAYS
 
@@ -31,7 +31,9 @@ OF_BRIGHTNESS, OF_COLOUR = (0, 1, 3), (0, 2, 3)  # which of rim, two blurs and s
 LEAST_KNOWN = 1e-3  # of all that is known: a grey ball tells nothing of the blur of colour
 
 
-def measure_limb(images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray) -> Limb:
+def measure_limb(
+    images: Sequence[Image | Patch] | Patches, circles: Sequence[Circle], blur: FloatArray
+) -> Limb:
     """Measure blur and shading of a ball on some pictures, together with its place in each.
 
     Parameters
@@ -41,11 +43,12 @@ def measure_limb(images: Sequence[Image | Patch], circles: Sequence[Circle], blu
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
     """
-    places = np.array([(circle.x, circle.y, circle.radius) for circle in circles])
+    patches, places = laid_out(images), np.array([(circle.x, circle.y, circle.radius) for circle in circles])
     shape = np.array([Limb().blur, Limb().colour_blur, Limb().shading])
     to_rim = np.column_stack((DIRECTIONS, np.ones(len(ANGLES))))
     for _ in range(MEASURING_STEPS):
-        weighed, pull = _told(look(images, places, blur, Limb(*shape.tolist()), len(SLOPES)))
+        expected = expect(Limb(*shape.tolist()), float(np.median(places[:, 2])), blur, len(SLOPES))
+        weighed, pull = _told(look(patches, places, expected))
         own = np.einsum("ra,nr,rb->nab", to_rim, weighed[..., 0, 0], to_rim)
         mixed = np.einsum("ra,nrs->nas", to_rim, weighed[..., 0, 1:])
         towards = np.einsum("ra,nr->na", to_rim, pull[..., 0])
@@ -70,7 +73,7 @@ def _told(seen: Look) -> tuple[FloatArray, FloatArray]:
 
 
 def sharpen(
-    images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray, limb: Limb
+    images: Sequence[Image | Patch] | Patches, circles: Sequence[Circle], blur: FloatArray, limb: Limb
 ) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims of a ball again by its limb, from circles found before; and fit circles to them.
 
@@ -82,8 +85,10 @@ def sharpen(
         Way of the ball up or down during the exposure, px.
     limb : as `measure_limb` gives it
     """
-    before = _nearer(images, circles, blur, limb)
-    rims, fitted = _once(images, before, blur, limb)
+    patches, radius = laid_out(images), float(np.median([circle.radius for circle in circles] or [1.0]))
+    expected = expect(limb, radius, blur)
+    before = _nearer(patches, circles, expected)
+    rims, fitted = _once(patches, before, expected)
     for _ in range(LOOKS - 1):
         again = [(i, then) for i, then in enumerate(fitted) if then is not None and _moved(before[i], then)]
         if not again:
@@ -91,19 +96,17 @@ def sharpen(
         for i, then in again:
             before[i] = then
         which = [i for i, _ in again]
-        seen = _once([images[i] for i in which], [then for _, then in again], blur[which], limb)
+        seen = _once(patches.take(which), [then for _, then in again], expected.take(which))
         for i, rim, circle in zip(which, *seen, strict=True):
             rims[i], fitted[i] = rim, circle
     return rims, fitted
 
 
-def _nearer(
-    images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray, limb: Limb
-) -> list[Circle]:
+def _nearer(patches: Patches, circles: Sequence[Circle], expected: Expected) -> list[Circle]:
     """Move all circles by what the limb moves some of them: light moves edges in most pictures alike."""
     some = sorted(set(np.linspace(0, len(circles) - 1, min(FEW, len(circles))).astype(int).tolist()))
     first = [circles[i] for i in some]
-    _, fitted = _once([images[i] for i in some], first, blur[some], limb)
+    _, fitted = _once(patches.take(some), first, expected.take(some))
     ways = [
         (then.x - now.x, then.y - now.y, then.radius - now.radius)
         for now, then in zip(first, fitted, strict=True)
@@ -120,11 +123,11 @@ def _moved(before: Circle, then: Circle) -> bool:
 
 
 def _once(
-    images: Sequence[Image | Patch], circles: Sequence[Circle], blur: FloatArray, limb: Limb
+    patches: Patches, circles: Sequence[Circle], expected: Expected
 ) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims about some circles, and fit circles to them."""
     places = np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)
-    rims = _rims(look(images, places, blur, limb), places, [circle.contrast for circle in circles])
+    rims = _rims(look(patches, places, expected), places, [circle.contrast for circle in circles])
     return rims, fit_circles(rims, places, free_radius=True)
 
 

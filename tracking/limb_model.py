@@ -23,13 +23,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr
 
-from tracking.limb_kernel import TOGETHER, compare
-from tracking.patch import Patch, as_patch
-from tracking.planes import Image
+from tracking.limb_kernel import compare_all
+from tracking.patch import Patches
 from tracking.rim_kernel import RAYS
 from tracking.strands import side_by_side
 
 FloatArray = npt.NDArray[np.float64]
+LongArray = npt.NDArray[np.int64]
 SingleArray = npt.NDArray[np.float32]
 
 TWINS = 2  # rays side by side that make one of a rim's: they miss no pixel of a ball up to 60 px wide
@@ -38,6 +38,7 @@ REACH_PX = 2.5  # from the rim, and half the way during the exposure
 DEEPEST = 0.7  # radii
 SMALL = 0.02  # difference for slopes
 SLOPES = ("shift", "blur", "shading")
+BESIDE_SLOPES = 5  # rows of factors: two levels, two shares, and shading · T
 _SPREAD = (np.arange(TWINS) - (TWINS - 1) / 2) / TWINS
 ANGLES: FloatArray = ((np.arange(RAYS)[:, None] + _SPREAD) * (2 * np.pi / RAYS)).ravel()
 DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
@@ -80,53 +81,52 @@ class Look(NamedTuple):
         return np.asarray(1 / np.maximum(self.variance, np.median(self.variance, axis=1, keepdims=True)))
 
 
-def look(
-    images: Sequence[Image | Patch], places: FloatArray, blur: FloatArray, limb: Limb, kinds: int = 1
-) -> Look:
-    """Compare the levels along all rays with the model, linearized about the circles at `places`."""
-    count, rays = len(images), len(ANGLES)
-    seen = Look(
-        np.zeros((count, 2, rays, kinds, kinds)),
-        np.zeros((count, 2, rays, kinds)),
-        np.full((count, rays), np.inf),
-    )
-    radius = float(np.median(places[:, 2])) if len(places) else 1.0
-    ways, way_of = np.unique(np.round(blur), return_inverse=True)
-    offsets, *models = _models(limb, radius, ways, kinds)
+class Expected(NamedTuple):
+    """What one limb should look like in some pictures, linearized: what to multiply the levels with.
 
-    def see(k: int) -> None:
-        way, patch = way_of[k], as_patch(images[k])
-        factors, gram, lit = models
-        compare(
-            patch.image.reshape(len(patch.image), -1),
-            (places[k] - patch.corner, offsets[way], DIRECTIONS),
-            (factors[way], gram[way], lit[way]),
-            (seen.information[k], seen.pull[k], seen.variance[k]),
-        )
-
-    side_by_side(see, len(images))
-    return seen
-
-
-class _Models(NamedTuple):
-    """The model of one limb, linearized, for several ways: what to multiply the levels on each ray with.
-
-    `offsets` (ways, samples) are distances from the rim, px; all else is for brightness and for colour.
-    `factors` (ways, 2, rays, samples, 5 + 2 kinds, and as many zeros as make it easier) give outer and inner
-    level, the levels' share within the model, what is left along the slopes of either level's shape by rim,
-    blur and shading, or by the rim alone, and last shading · T. `gram` (ways, 2, rays, 4, kinds²) are the
-    products of those slopes, `lit` (ways, 2, rays, 5 + 2 kinds) are what the factors make of shading · T
-    itself.
+    `way_of` (n,) is which of the ways up or down during the exposure belongs to each picture; `offsets`
+    (ways, samples) are distances from the rim, px; all else is for brightness and for colour. `factors`
+    (ways, 2, samples, 5 + 2 kinds, rays) give outer and inner level, the levels' share within the model, what
+    is left along the slopes of either level's shape by rim, blur and shading, or by the rim alone, and last
+    shading · T. `gram` (ways, 2, kinds², 3, rays) are the products of those slopes: of outer with outer
+    level, of one with the other, of inner with inner. `lit` (ways, 2, 5 + 2 kinds, rays) are what the
+    factors make of shading · T itself.
     """
 
+    way_of: LongArray
     offsets: FloatArray
     factors: SingleArray
     gram: SingleArray
     lit: SingleArray
 
+    def take(self, which: Sequence[int]) -> "Expected":
+        """Give what some of the pictures should show."""
+        return self._replace(way_of=self.way_of[np.asarray(which, dtype=np.int64)])
 
-def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
-    """Make the model of a ball of some radius that goes some ways up or down during the exposure, px."""
+
+def look(patches: Patches, places: FloatArray, expected: Expected) -> Look:
+    """Compare the levels along all rays with the model, linearized about the circles (n, 3) at `places`."""
+    count, rays, kinds = len(patches), len(ANGLES), (expected.lit.shape[2] - BESIDE_SLOPES) // 2
+    seen = Look(
+        np.zeros((count, 2, rays, kinds, kinds)),
+        np.zeros((count, 2, rays, kinds)),
+        np.full((count, rays), np.inf),
+    )
+    pictures = patches.levels, patches.places
+    written = seen.information, seen.pull, seen.variance
+    rays_of = expected.way_of, DIRECTIONS, expected.offsets
+    model = expected.factors, expected.gram, expected.lit
+
+    def see(first: int, step: int) -> None:
+        compare_all(pictures, places, (*rays_of, *model), written, (first, step))
+
+    side_by_side(see, count)
+    return seen
+
+
+def expect(limb: Limb, radius: float, blur: FloatArray, kinds: int = 1) -> Expected:
+    """Make the model of a ball of some radius that goes some way up or down during each exposure, px."""
+    ways, way_of = np.unique(np.round(blur), return_inverse=True)
     reach = np.minimum(REACH_PX + ways / 2, DEEPEST * radius)
     offsets = reach[:, None] * np.linspace(-1.0, 1.0, SAMPLES)
     smeared = ways[:, None, None] * _SLANTS[:, None] / np.sqrt(12)
@@ -145,7 +145,7 @@ def _models(limb: Limb, radius: float, ways: FloatArray, kinds: int) -> _Models:
         for width in (limb.blur, limb.colour_blur)
     ]
     factors, gram, lit = (np.stack(values, axis=1) for values in zip(*both, strict=True))
-    return _Models(offsets, factors, gram, lit)
+    return Expected(way_of.astype(np.int64), offsets, factors, gram, lit)
 
 
 def _linearized(
@@ -163,12 +163,15 @@ def _linearized(
     left = slopes - sum(own * np.sum(own * slopes, axis=-1, keepdims=True) for own in share)
     rows = np.concatenate((levels, share, left.reshape(2 * kinds, *light.shape), light[None]))
     lit = np.sum(rows * light, axis=-1)
-    gram = np.einsum("keasn,lfasn->asefkl", left, left).reshape(*light.shape[:2], 4, kinds**2)
-    factors = np.zeros((*light.shape, -(-len(rows) // TOGETHER) * TOGETHER))
-    factors[..., : len(rows)] = np.moveaxis(rows, 0, -1)
-    all_rays = (np.take(values, _SLANT, axis=1) for values in (factors, gram, np.moveaxis(lit, 0, -1)))
-    of_factors, of_gram, of_lit = (values.astype(np.float32) for values in all_rays)
-    return of_factors, of_gram, of_lit
+    gram = np.einsum("keasn,lfasn->aklefs", left, left)
+    gram = np.stack((gram[..., 0, 0, :], gram[..., 0, 1, :] + gram[..., 1, 0, :], gram[..., 1, 1, :]), axis=3)
+    of_slants = (
+        np.moveaxis(rows, (1, 3, 0, 2), (0, 1, 2, 3)),
+        gram.reshape(len(gram), kinds**2, *gram.shape[3:]),
+        np.moveaxis(lit, 1, 0),
+    )
+    factors, gram, lit = (np.take(values, _SLANT, axis=-1).astype(np.float32) for values in of_slants)
+    return factors, gram, lit
 
 
 def _lit(shapes: FloatArray, shading: float) -> FloatArray:

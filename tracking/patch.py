@@ -1,5 +1,7 @@
-"""What surrounds a ball: a part of a picture in colours, and where it lies."""
+"""What surrounds a ball: a part of a picture in colours, and where it lies; and many of them at once."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +11,7 @@ from tracking.kernel import compiled, part
 from tracking.planes import Image, Planes
 
 SingleArray = npt.NDArray[np.float32]
+LongArray = npt.NDArray[np.int64]
 
 BLUE_SHARE, RED_SHARE = np.float32(1.773), np.float32(1.403)  # of a difference of colour, in that colour
 BLUE_IN_GREEN, RED_IN_GREEN = np.float32(0.344), np.float32(0.714)
@@ -29,9 +32,46 @@ def patch_of(seen: Planes, left: int, top: int) -> Patch:
     return Patch(_mixed(brightness, blue, red), np.array((left, top, 0.0)))
 
 
-def as_patch(image: Image | Patch) -> Patch:
-    """Take a whole picture for a patch, too."""
-    return image if isinstance(image, Patch) else Patch(np.ascontiguousarray(image), np.zeros(3))
+def part_of(image: Image, place: tuple[float, float], half: float) -> Patch:
+    """View what is at most so many pixels above, below or beside a place of a picture; at least one pixel."""
+    (left, right), (top, bottom) = (
+        (min(max(int(value - half), 0), most - 1), min(max(int(value + half) + 1, 1), most))
+        for value, most in zip(place, (image.shape[1], image.shape[0]), strict=True)
+    )
+    return Patch(image[top:bottom, left:right], np.array((left, top, 0.0)))
+
+
+@dataclass(frozen=True, slots=True)
+class Patches:
+    """BGR levels of patches, one patch after the other; and where each begins there, and lies.
+
+    `places` (n, 5): number of its first level, its height and width, x and y of its upper left pixel, px.
+    Work on many patches is compiled as a whole: Python's lock is let go of once, not for each of them.
+    """
+
+    levels: Image
+    places: LongArray
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self.places)
+
+    def take(self, which: Sequence[int]) -> "Patches":
+        """Give some of them, in any order and as often as wanted."""
+        return Patches(self.levels, self.places[np.asarray(which, dtype=np.int64)])
+
+
+def laid_out(images: Sequence[Image | Patch] | Patches) -> Patches:
+    """Lay patches one after the other; a whole picture is a patch, too."""
+    if isinstance(images, Patches):
+        return images
+    patches = [image if isinstance(image, Patch) else Patch(image, np.zeros(3)) for image in images]
+    places, first = np.empty((len(patches), 5), dtype=np.int64), 0
+    for place, (image, corner) in zip(places, patches, strict=True):
+        place[:] = first, *image.shape[:2], *corner[:2]
+        first += image.size
+    levels = [image.ravel() for image, _ in patches]
+    return Patches(np.concatenate(levels) if levels else np.empty(0, dtype=np.uint8), places)
 
 
 @compiled

@@ -12,11 +12,11 @@ import numpy.typing as npt
 
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
-from tracking.planes import Image
+from tracking.patch import laid_out
 from tracking.recording import Recording
 from tracking.sharp import limb_of, sharpened
 from tracking.sight import MEMORY, WIDE, half_width, sight_once
-from tracking.sighting import Cutting, Sighting, cut_out
+from tracking.sighting import Cutting, Cuttings, Sighting, cut_out, together
 from tracking.video import revisit
 
 FloatArray = npt.NDArray[np.float64]
@@ -89,8 +89,8 @@ def sight_resting(recording: Recording, guess: Guess, highest: FloatArray) -> li
     half = 2 * guess[2] + half_width(guess[2], 0.0)
     for view in revisit(recording):
         if not watch.seen and not watch.waiting:
-            watch.guess = _find_resting(view.frame().image, watch.guess)
-            first = [cut_out(view, watch.guess[:2], half)]
+            watch.guess = _find_resting(cut_out(view, watch.guess[:2], half), watch.guess)
+            first = together([cut_out(view, watch.guess[:2], half)])
             found = sight_once(first, [watch.guess], np.zeros(1))
             watch.limb = limb_of(first, [sighting for sighting in found if sighting is not None])
         watch.waiting.append(cut_out(view, watch.guess[:2], half))
@@ -103,52 +103,52 @@ def sight_resting(recording: Recording, guess: Guess, highest: FloatArray) -> li
 
 def _advance(watch: _Watch) -> None:
     """See the ball in some of the frames that wait, up to the first in which it is not where expected."""
-    batch = watch.waiting[: watch.stride]
-    places = [watch.expected(cutting.frame) for cutting in batch]
-    first = sight_once(batch, places, np.zeros(len(batch)))
-    doubtful = next((i for i, sighting in enumerate(first) if watch.is_doubtful(sighting)), len(batch))
-    if doubtful < len(batch):
-        for each in (batch, places, first):
-            del each[doubtful + 1 :]
-        first[doubtful] = _look_about(watch, batch[doubtful], places[doubtful])
+    batch = together(watch.waiting[: watch.stride])
+    places = [watch.expected(frame) for frame in batch.frames]
+    first = sight_once(batch, places, np.zeros(len(places)))
+    doubtful = next((i for i, sighting in enumerate(first) if watch.is_doubtful(sighting)), len(first))
+    if doubtful < len(first):
+        batch = batch.take(range(doubtful + 1))
+        del places[doubtful + 1 :], first[doubtful + 1 :]
+        first[doubtful] = _look_about(watch, batch.take([doubtful]), places[doubtful])
     surprised = _take_as_expected(watch, batch, places, first)
-    del watch.waiting[: surprised or len(batch)]
+    del watch.waiting[: surprised or len(first)]
     alone = surprised or doubtful < len(first)
     watch.stride = 1 if alone else min(2 * watch.stride, LONGEST_STRIDE)
 
 
 def _take_as_expected(
-    watch: _Watch, batch: Sequence[Cutting], places: Sequence[Guess], first: Sequence[Sighting | None]
+    watch: _Watch, batch: Cuttings, places: Sequence[Guess], first: Sequence[Sighting | None]
 ) -> int:
     """Take sightings up to the first that surprises; give how many frames that makes, 0 if none does."""
     rough = {sighting.frame: sighting for sighting in first if sighting is not None}
     found = {sighting.frame: sighting for sighting in sharpened(batch, list(rough.values()), watch.limb)}
-    for count, (place, cutting) in enumerate(zip(places, batch, strict=True), start=1):
-        sighting = found.get(cutting.frame)
+    for count, (place, frame) in enumerate(zip(places, batch.frames, strict=True), start=1):
+        sighting = found.get(frame)
         if sighting is None:
             continue
         watch.take(sighting)
-        watch.vague.append(rough[cutting.frame].circle.vagueness)
+        watch.vague.append(rough[frame].circle.vagueness)
         if np.hypot(watch.guess[0] - place[0], watch.guess[1] - place[1]) > SURPRISE_PX:
             return count
     return 0
 
 
-def _look_about(watch: _Watch, cutting: Cutting, place: Guess) -> Sighting | None:
+def _look_about(watch: _Watch, alone: Cuttings, place: Guess) -> Sighting | None:
     """Look for a struck ball above and below where it is expected, and take the clearest rim."""
     x, y, radius = place
     guesses = [place, *((x, y + shift, radius) for shift in ABOUT * radius)]
-    found = sight_once([cutting] * len(guesses), guesses, np.zeros(len(guesses)))
+    found = sight_once(alone.take([0] * len(guesses)), guesses, np.zeros(len(guesses)))
     possible = (sighting for sighting in found if sighting is not None and watch.is_possible(sighting))
     return min(possible, key=lambda sighting: sighting.circle.vagueness, default=None)
 
 
-def _find_resting(image: Image, guess: Guess) -> Guess:
+def _find_resting(cutting: Cutting, guess: Guess) -> Guess:
     """Find the resting ball up to a radius above or below the guess: where the best rim is."""
     x, y, radius = guess
     guesses: list[Guess] = [(x, y + shift, radius) for shift in np.linspace(-1, 1, 9) * radius]
     for reach in (WIDE * radius + MARGIN_PX, MARGIN_PX):
-        rims = find_rims([image] * len(guesses), guesses, reach=reach)
+        rims = find_rims(laid_out([cutting.patch]).take([0] * len(guesses)), guesses, reach=reach)
         circles = [c for c in fit_circles(rims, guesses, free_radius=False) if c is not None]
         guesses = [(c.x, c.y, radius) for c in circles]
     best = min(circles, key=lambda circle: circle.vagueness, default=None)

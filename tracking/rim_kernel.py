@@ -5,13 +5,15 @@ import numpy.typing as npt
 
 from tracking.kernel import compiled, part
 from tracking.median import upper_median
+from tracking.single import singly
 
 FloatArray = npt.NDArray[np.float64]
+LongArray = npt.NDArray[np.int64]
 SingleArray = npt.NDArray[np.float32]
 Image = npt.NDArray[np.uint8]
 Pair = tuple[float, float]
 
-RAYS = 64
+RAYS, COLOURS = 64, 3
 STEP_PX = 0.5  # along a ray
 HOLLOW = 0.3  # radii: no rim is searched further in
 PEAK_PX = 2.0  # a sharp rim is this wide to each side of its steepest place
@@ -27,13 +29,38 @@ DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
 
 
 @compiled
-def see_rim(image: Image, corner: FloatArray, circle: FloatArray, ways: Pair, points: FloatArray) -> float:
-    """Find the steepest place on each ray from a circle's centre: `points` (rays, 2), NaN where none is.
+def see_rims(
+    pictures: tuple[Image, LongArray],
+    circles: FloatArray,
+    ways: FloatArray,
+    seen: tuple[FloatArray, FloatArray],
+    part_of: tuple[int, int],
+) -> None:
+    """Find the steepest place on each ray from a circle's centre in each picture.
 
-    The image begins at a corner (x, y). The rim is searched within the radius ± the first of two `ways`, px,
-    and smeared by the second up and down. Returns the median contrast on the rays that meet an edge, levels;
-    infinity where none does.
+    Parameters
+    ----------
+    pictures : levels and places of `Patches`
+    circles : (n, 3) array
+    ways : (2, n) array
+        The rim is searched within the radius ± the first of these, px, and smeared by the second up and down.
+    seen : points (n, rays, 2), NaN where no edge is, and contrasts (n,)
+        Written: the median contrast on the rays that meet an edge, levels; infinity where none does.
+    part_of : number of the first picture, and of pictures to the next
     """
+    levels, places = pictures
+    points, contrasts = seen
+    for k in range(part_of[0], len(circles), part_of[1]):
+        first, height, width, left, top = places[k]
+        image = levels[first : first + 3 * height * width].reshape((height, width, 3))
+        contrasts[k] = _see_rim(image, (left, top), circles[k], (ways[0, k], ways[1, k]), points[k])
+
+
+@part
+def _see_rim(
+    image: Image, corner: tuple[int, int], circle: FloatArray, ways: Pair, points: FloatArray
+) -> float:
+    """Do so in one picture, which begins at a corner (x, y)."""
     x, y, radius = circle[0] - corner[0], circle[1] - corner[1], circle[2]
     reach, blur = ways
     points[:] = np.nan
@@ -45,50 +72,45 @@ def see_rim(image: Image, corner: FloatArray, circle: FloatArray, ways: Pair, po
     expected = np.empty(count - 1, dtype=np.float32)
     for k in range(count - 1):
         expected[k] = np.exp(-0.5 * ((inner + STEP_PX * (k + 0.5) - radius) / (0.7 * reach)) ** 2)
-    line = np.zeros((count, 3), dtype=np.float32)
+    line, levels = np.zeros((COLOURS, count), dtype=np.float32), singly(image)
     contrasts, seen = np.empty(RAYS), 0
     for ray in range(RAYS):
         across, down = DIRECTIONS[ray]
         end_x, end_y = x + across * furthest, y + down * furthest
         if not (0 <= end_x <= image.shape[1] - 1 and 0 <= end_y <= image.shape[0] - 1):
             continue
-        _sample(image, (x + across * inner, y + down * inner), (across, down), line)
+        _sample(levels, (x + across * inner, y + down * inner), (across, down), line)
         edge = _steepest(line, expected, (PEAK_PX + blur / 2 * abs(down)) / STEP_PX)
         if np.isfinite(edge):
             distance = inner + STEP_PX * edge
             points[ray, 0] = corner[0] + (x + across * distance)
             points[ray, 1] = corner[1] + (y + down * distance)
-            contrasts[seen] = np.sqrt(_square_apart(line, 0, count - 1))
+            contrasts[seen] = _apart(line[:, 0], line[:, count - 1])
             seen += 1
     return upper_median(contrasts[:seen]) if seen else np.inf
 
 
 @part
-def _sample(image: Image, start: Pair, direction: Pair, line: SingleArray) -> None:
-    """Interpolate levels (samples, colours) along a ray, at even steps."""
-    bottom, right = image.shape[0] - 1, image.shape[1] - 1
-    for k in range(len(line)):
+def _sample(levels: SingleArray, start: Pair, direction: Pair, line: SingleArray) -> None:
+    """Interpolate levels (colours, samples) along a ray, at even steps."""
+    bottom, right = levels.shape[0] - 1, levels.shape[1] - 1
+    for k in range(line.shape[1]):
         x = min(max(start[0] + direction[0] * STEP_PX * k, 0.0), float(right))
         y = min(max(start[1] + direction[1] * STEP_PX * k, 0.0), float(bottom))
         i, j = int(y), int(x)
         below, beside = min(i + 1, bottom), min(j + 1, right)
         to_right, to_bottom = np.float32(x - j), np.float32(y - i)
-        for colour in range(3):
-            upper, lower = np.float32(image[i, j, colour]), np.float32(image[below, j, colour])
-            upper += to_right * (np.float32(image[i, beside, colour]) - upper)
-            lower += to_right * (np.float32(image[below, beside, colour]) - lower)
-            line[k, colour] = upper + to_bottom * (lower - upper)
+        for colour in range(COLOURS):
+            upper, lower = levels[i, j, colour], levels[below, j, colour]
+            upper += to_right * (levels[i, beside, colour] - upper)
+            lower += to_right * (levels[below, beside, colour] - lower)
+            line[colour, k] = upper + to_bottom * (lower - upper)
 
 
 @part
-def _square_apart(line: SingleArray, one: int, other: int) -> np.float32:
-    """Square of the difference of two samples, whatever the colour, brighter or darker."""
-    blue, green, red = (
-        line[other, 0] - line[one, 0],
-        line[other, 1] - line[one, 1],
-        line[other, 2] - line[one, 2],
-    )
-    return np.float32(blue * blue + green * green + red * red)
+def _apart(one: SingleArray, other: SingleArray) -> float:
+    """How much two samples differ, whatever the colour, brighter or darker."""
+    return float(np.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2))
 
 
 @part
@@ -97,13 +119,16 @@ def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> fl
 
     NaN where nothing is steep.
     """
-    count = len(line) - 1
-    steep = np.empty(count, dtype=np.float32)
+    blues, greens, reds = line[0], line[1], line[2]
+    count = len(expected)
+    changes, steep = np.empty(count, dtype=np.float32), np.empty(count, dtype=np.float32)
+    for k in range(count):
+        blue, green, red = blues[k + 1] - blues[k], greens[k + 1] - greens[k], reds[k + 1] - reds[k]
+        changes[k] = np.sqrt(blue * blue + green * green + red * red)
+        steep[k] = changes[k] * expected[k]
     highest, steepest, peak = np.float32(0), np.float32(0), 0
     for k in range(count):
-        change = np.sqrt(_square_apart(line, k, k + 1))
-        steepest = max(steepest, change)
-        steep[k] = change * expected[k]
+        steepest = max(steepest, changes[k])
         if steep[k] > highest:
             highest, peak = steep[k], k
     if steepest < MINIMUM_STEEPNESS:
@@ -117,14 +142,36 @@ def _steepest(line: SingleArray, expected: SingleArray, half_width: float) -> fl
 
 
 @compiled
-def fit_rim(
+def fit_rims(
+    rims: tuple[FloatArray, FloatArray],
+    circles: FloatArray,
+    free: int,
+    told: tuple[FloatArray, FloatArray],
+    part_of: tuple[int, int],
+) -> None:
+    """Fit circles to points by Gauss-Newton with Tukey weights times what is known of each.
+
+    Parameters
+    ----------
+    rims : points (n, rays, 2) and what is known of them (n, rays)
+    circles : (n, 3) array
+        x, y and radius; they move, the radius only if three are `free`.
+    free : 2 or 3
+    told : agreement (n, rays) and variances (n, 2)
+        Written: the Tukey weights, and the variances of x and y, px².
+    part_of : number of the first rim, and of rims to the next
+    """
+    points, known = rims
+    agreement, variances = told
+    for k in range(part_of[0], len(circles), part_of[1]):
+        variances[k, 0], variances[k, 1] = _fit_rim(points[k], known[k], circles[k], free, agreement[k])
+
+
+@part
+def _fit_rim(
     points: FloatArray, known: FloatArray, circle: FloatArray, free: int, agreement: FloatArray
 ) -> Pair:
-    """Fit a circle to points by Gauss-Newton with Tukey weights times what is `known` of each (rays,).
-
-    `circle` (x, y, radius) moves, the radius only if three are `free`; `agreement` (rays,), the Tukey
-    weights, is written. Returns the variances of x and y, px².
-    """
+    """Fit one circle; give the variances of x and y."""
     offsets, seen = np.empty((RAYS, 3)), 0
     agreement[:] = 0.0
     for ray in range(RAYS):

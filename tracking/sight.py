@@ -11,7 +11,7 @@ from tracking.limb import Limb
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
-from tracking.sighting import Cutting, Sighting, cut_out
+from tracking.sighting import Cutting, Cuttings, Sighting, cut_out, together
 from tracking.video import revisit
 
 FloatArray = npt.NDArray[np.float64]
@@ -30,21 +30,26 @@ LIMB_FRAMES = 8  # pictures on which a ball's limb is measured
 def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See a ball of some radius (px) wherever it is on its path, patches by the number of the frame."""
     seen: list[Sighting] = []
-    cuttings: list[Cutting] = []
+    waiting: list[Cutting] = []
     limb = _limb_along(recording, path, radius)
     for view in revisit(recording, path):
-        cuttings.append(_cut_on_path(view, path, radius))
-        if len(cuttings) == BATCH:
-            seen += sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
-            cuttings.clear()
-    return seen + sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
+        waiting.append(_cut_on_path(view, path, radius))
+        if len(waiting) == BATCH:
+            seen += _sharp_on_path(together(waiting), path, radius, limb)
+            waiting.clear()
+    return seen + _sharp_on_path(together(waiting), path, radius, limb)
 
 
 def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> Limb:
     """Measure the limb of a ball on some pictures in which its motion smears it little."""
     some = sharper(path, LIMB_FRAMES)
-    cuttings = [_cut_on_path(view, path, radius) for view in revisit(recording, some)]
+    cuttings = together([_cut_on_path(view, path, radius) for view in revisit(recording, some)])
     return limb_of(cuttings, _sight_on_path(cuttings, path, radius))
+
+
+def _sharp_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float, limb: Limb) -> list[Sighting]:
+    """See the ball in a batch by its edges, and then by its limb."""
+    return sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
 
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
@@ -52,9 +57,9 @@ def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting
     return cut_out(view, (blob.x, blob.y), half_width(radius, blob.blur))
 
 
-def _sight_on_path(cuttings: Sequence[Cutting], path: Mapping[int, Blob], radius: float) -> list[Sighting]:
+def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See the ball in a batch; again with the radius of the frames around where that is another."""
-    blobs = [path[cutting.frame] for cutting in cuttings]
+    blobs = [path[frame] for frame in cuttings.frames]
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
     blur = np.array([blob.blur for blob in blobs])
     found = sight_once(cuttings, guesses, blur)
@@ -84,23 +89,21 @@ def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArra
     return np.asarray(np.interp(np.arange(len(found)), list(seen), around))
 
 
-def sight_once(
-    cuttings: Sequence[Cutting], guesses: Sequence[Guess], blur: FloatArray
-) -> list[Sighting | None]:
+def sight_once(cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray) -> list[Sighting | None]:
     """Fit twice, the second time from a good centre and in a narrow ring; None where no rim is seen."""
     places = np.array(guesses, dtype=np.float64).reshape(-1, 3)
-    patches, radius = [cutting.patch for cutting in cuttings], places[:, 2]
+    patches, radius = cuttings.patches, places[:, 2]
     coarse = find_rims(patches, places, reach=WIDE * radius + MARGIN_PX + blur / 2, blur=blur)
     first = fit_circles(coarse, places, free_radius=False)
     centres = np.array([places[i] if c is None else (c.x, c.y, c.radius) for i, c in enumerate(first)])
     rims = find_rims(patches, centres, reach=MARGIN_PX + NARROW * radius + blur / 2, blur=blur)
     circles = fit_circles(rims, centres, free_radius=True)
     return [
-        Sighting(frame=cutting.frame, time=cutting.time, rim=rim, circle=circle, blur=own)
+        Sighting(frame=frame, time=time, rim=rim, circle=circle, blur=own)
         if before and circle and abs(circle.radius - size) <= RADIUS_TOLERANCE * size + own / 4
         else None
-        for cutting, before, rim, circle, size, own in zip(
-            cuttings, first, rims, circles, radius.tolist(), blur.tolist(), strict=True
+        for frame, time, before, rim, circle, size, own in zip(
+            cuttings.frames, cuttings.times, first, rims, circles, radius.tolist(), blur.tolist(), strict=True
         )
     ]
 

@@ -1,9 +1,10 @@
 """What is cut out of a frame around a ball, and what is seen of the ball there."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tracking.circle import Circle, Rim
-from tracking.patch import Patch, patch_of
+from tracking.patch import Patch, Patches, laid_out, patch_of
 from tracking.recording import View
 
 
@@ -29,6 +30,29 @@ class Cutting:
     frame: int
     time: float
     patch: Patch
+
+
+@dataclass(frozen=True, slots=True)
+class Cuttings:
+    """What surrounds a place in each of some frames: their numbers and times, s, and the patches."""
+
+    frames: tuple[int, ...]
+    times: tuple[float, ...]
+    patches: Patches
+
+    def take(self, which: Sequence[int]) -> "Cuttings":
+        """Give some of them, in any order and as often as wanted."""
+        frames, times = tuple(self.frames[i] for i in which), tuple(self.times[i] for i in which)
+        return Cuttings(frames, times, self.patches.take(which))
+
+
+def together(cuttings: Sequence[Cutting]) -> Cuttings:
+    """Put cuttings together, to be gone through at once."""
+    return Cuttings(
+        tuple(cutting.frame for cutting in cuttings),
+        tuple(cutting.time for cutting in cuttings),
+        laid_out([cutting.patch for cutting in cuttings]),
+    )
 
 
 def cut_out(view: View, place: tuple[float, float], half: float) -> Cutting:

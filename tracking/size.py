@@ -7,6 +7,7 @@ import numpy as np
 from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.consensus import agreed_circles
+from tracking.patch import laid_out
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sighting import Cutting, cut_out
@@ -89,7 +90,7 @@ def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting
         (blob.x, blob.y, size * (blob.width + blob.height) / 4) for blob in around for size in AGREED_SIZES
     ]
     reach = np.array([REACH * radius + MARGIN_PX for *_, radius in starts])
-    rims = find_rims([cutting.patch] * len(starts), starts, reach=reach)
+    rims = find_rims(laid_out([cutting.patch]).take([0] * len(starts)), starts, reach=reach)
     agreed = [
         circle
         for rim, (*_, radius) in zip(rims, starts, strict=True)
@@ -116,14 +117,15 @@ def _doubt(circles: Sequence[Circle | None]) -> float:
 
 def _settled(starts: Sequence[tuple[Cutting, Sequence[Guess]]], share: float) -> list[list[Circle | None]]:
     """Fit circles, again and again from those just found, until the guesses no longer matter."""
-    patches = [cutting.patch for cutting, guesses in starts for _ in guesses]
+    patches = laid_out([cutting.patch for cutting, _ in starts])
+    patches = patches.take([i for i, (_, guesses) in enumerate(starts) for _ in guesses])
     guesses = [guess for _, guesses in starts for guess in guesses]
     found: list[Circle | None] = [None] * len(patches)
     going = list(range(len(patches)))
     for _ in range(REFITS):
         reach = np.array([share * guesses[i][2] + MARGIN_PX for i in going])
         now = [guesses[i] for i in going]
-        rims = find_rims([patches[i] for i in going], now, reach=reach)
+        rims = find_rims(patches.take(going), now, reach=reach)
         for i, circle in zip(tuple(going), fit_circles(rims, now, free_radius=True), strict=True):
             before, found[i] = guesses[i][2], circle
             if circle is not None:
