@@ -19,7 +19,7 @@ def rims(habit: np.ndarray, noise: float, seed: int) -> tuple[list[Rim], np.ndar
     distance = RADIUS + habit + rng.normal(0, noise, (COUNT, len(ANGLES)))
     points = places[:, None] + DIRECTIONS * distance[..., None]
     weights = rng.uniform(0.1, 1.9, distance.shape)
-    return [Rim(points=own, contrast=50, weights=w) for own, w in zip(points, weights, strict=True)], places
+    return [Rim(points=own, weights=w) for own, w in zip(points, weights, strict=True)], places
 
 
 def fitted(seen: list[Rim], places: np.ndarray) -> list[Circle | None]:

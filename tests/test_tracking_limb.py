@@ -84,7 +84,7 @@ def test_stated_error_of_a_centre_is_what_noise_does(shading: float) -> None:
 
 def test_ball_that_leaves_the_picture_is_seen_by_the_rays_that_stay() -> None:
     images = [np.ascontiguousarray(image[:, 19:]) for image in pictures(0.0, 4)]
-    circle = Circle(x=11.3, y=29.6, radius=15, x_sd=1, y_sd=1, inliers=1, arc=6, contrast=100)
+    circle = Circle(x=11.3, y=29.6, radius=15, x_sd=1, y_sd=1, inliers=1, arc=6)
     _, circles = sharpen(images, [circle] * 4, np.zeros(4), Limb(blur=0.6, shading=0.0))
     found = [one for one in circles if one is not None]
     assert np.abs(off(found) + np.array((19, 0))).max() < 0.1

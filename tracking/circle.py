@@ -41,7 +41,6 @@ class Circle:
     y_sd: float
     inliers: float
     arc: float
-    contrast: float
 
     @property
     def vagueness(self) -> float:
@@ -51,13 +50,12 @@ class Circle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rim:
-    """Edge points on the rays from a guessed centre: (rays, 2) px, NaN where no edge is; contrast, levels.
+    """Edge points on the rays from a guessed centre: (rays, 2) px, NaN where no edge is.
 
     `weights` (rays,) tell how much each point counts, on average 1.
     """
 
     points: FloatArray
-    contrast: float
     weights: FloatArray = field(default_factory=lambda: np.ones(RAYS))
 
     def without(self, direction: float, half_angle: float) -> "Rim":
@@ -89,17 +87,14 @@ def find_rims(
     circles = np.array(guesses, dtype=np.float64).reshape(-1, 3)
     points = np.empty((len(circles), RAYS, 2))
     ways = np.array([np.broadcast_to(value, len(circles)) for value in (reach, blur)], dtype=np.float64)
-    contrasts, patches = np.empty(len(circles)), laid_out(images)
+    patches = laid_out(images)
     pictures = patches.levels, patches.places
 
     def see(first: int, step: int) -> None:
-        see_rims(pictures, circles, ways, (points, contrasts), (first, step))
+        see_rims(pictures, circles, ways, points, (first, step))
 
     side_by_side(see, len(circles))
-    return [
-        Rim(points=place, contrast=contrast)
-        for place, contrast in zip(points, contrasts.tolist(), strict=True)
-    ]
+    return [Rim(points=place) for place in points]
 
 
 def fit_circles(
@@ -124,10 +119,8 @@ def fit_circles(
     good = (share >= MINIMUM_INLIERS) & (arc >= MINIMUM_ARC) & np.isfinite(circles).all(axis=1)
     found = np.column_stack((circles, sd, share, arc)).tolist()
     return [
-        Circle(x=x, y=y, radius=r, x_sd=x_sd, y_sd=y_sd, inliers=inliers, arc=seen, contrast=rim.contrast)
-        if right
-        else None
-        for rim, right, (x, y, r, x_sd, y_sd, inliers, seen) in zip(rims, good.tolist(), found, strict=True)
+        Circle(x=x, y=y, radius=radius, x_sd=x_sd, y_sd=y_sd, inliers=inliers, arc=seen) if right else None
+        for right, (x, y, radius, x_sd, y_sd, inliers, seen) in zip(good.tolist(), found, strict=True)
     ]
 
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tracking.kernel import compiled, part
+from tracking.kernel import compiled, fetch, part
 from tracking.median import upper_median
 from tracking.planes import Image, Planes
 
@@ -17,7 +17,9 @@ COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
 LEAST_GAIN, MOST_GAIN = 0.5, 2.0
-SPARSE = 8  # coarse pixels from one that tells of flicker to the next
+AHEAD = 4  # rows that are asked for before they are looked at
+LINE = 64  # bytes that memory gives at a time
+SPARSE = 12  # coarse pixels from one that tells of flicker to the next
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
@@ -43,6 +45,9 @@ def _every(plane: Image, down: int, right: int) -> Image:
     for row in range(few.shape[0]):
         own = few[row]
         if side_by_side and right == COARSE:
+            soon = plane[min(down * (row + AHEAD), len(plane) - 1)]
+            for column in range(0, len(soon), LINE):
+                fetch(soon, column)
             for column in range(plane.shape[1]):  # all of it: so memory gives it far sooner
                 line[column] = plane[down * row, column]
             for column in range(len(own)):  # a step known beforehand is many columns at once

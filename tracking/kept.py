@@ -124,7 +124,7 @@ class Keeper:
                 windows = self._changed(coarse, self._reference, 1.0, usual[0].shape)
                 places = (everywhere(usual[0].shape),) if windows is None else windows
                 self._keep([_part(shown(before, kept, window), coarse, window) for window in places])
-        self._much = 2 * self._bytes
+        self._much = 2 * max(self._bytes, self._much)
 
     def _changed(
         self, coarse: Planes, reference: Planes, gain: float, shape: tuple[int, ...]

@@ -4,7 +4,7 @@ An edge found where the levels change most is drawn towards the lit side by a te
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from math import hypot
 
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +43,7 @@ def measure_limb(
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
     """
-    patches, places = laid_out(images), np.array([(circle.x, circle.y, circle.radius) for circle in circles])
+    patches, places = laid_out(images), _places(circles)
     shape = np.array([Limb().blur, Limb().colour_blur, Limb().shading])
     to_rim = np.column_stack((DIRECTIONS, np.ones(len(ANGLES))))
     for _ in range(MEASURING_STEPS):
@@ -85,53 +85,59 @@ def sharpen(
         Way of the ball up or down during the exposure, px.
     limb : as `measure_limb` gives it
     """
-    patches, radius = laid_out(images), float(np.median([circle.radius for circle in circles] or [1.0]))
-    expected = expect(limb, radius, blur)
-    before = _nearer(patches, circles, expected)
-    rims, fitted = _once(patches, before, expected)
+    patches, places = laid_out(images), _places(circles)
+    expected = expect(limb, float(np.median(places[:, 2])) if len(places) else 1.0, blur)
+    places = _nearer(patches, places, expected)
+    rims, fitted = _once(patches, places, expected)
     for _ in range(LOOKS - 1):
-        again = [(i, then) for i, then in enumerate(fitted) if then is not None and _moved(before[i], then)]
-        if not again:
+        which = [
+            i
+            for i, (before, then) in enumerate(zip(places.tolist(), fitted, strict=True))
+            if then is not None and _moved(before, then)
+        ]
+        if not which:
             break
-        for i, then in again:
-            before[i] = then
-        which = [i for i, _ in again]
-        seen = _once(patches.take(which), [then for _, then in again], expected.take(which))
+        places[which] = _places([then for i in which if (then := fitted[i]) is not None])
+        seen = _once(patches.take(which), places[which], expected.take(which))
         for i, rim, circle in zip(which, *seen, strict=True):
             rims[i], fitted[i] = rim, circle
     return rims, fitted
 
 
-def _nearer(patches: Patches, circles: Sequence[Circle], expected: Expected) -> list[Circle]:
-    """Move all circles by what the limb moves some of them: light moves edges in most pictures alike."""
-    some = sorted(set(np.linspace(0, len(circles) - 1, min(FEW, len(circles))).astype(int).tolist()))
-    first = [circles[i] for i in some]
-    _, fitted = _once(patches.take(some), first, expected.take(some))
-    ways = [
-        (then.x - now.x, then.y - now.y, then.radius - now.radius)
-        for now, then in zip(first, fitted, strict=True)
-        if then is not None
-    ]
-    across, down, wider = np.median(ways, axis=0).tolist() if ways else (0.0, 0.0, 0.0)
-    return [replace(c, x=c.x + across, y=c.y + down, radius=c.radius + wider) for c in circles]
+def _places(circles: Sequence[Circle]) -> FloatArray:
+    """Give x, y and radius of circles, (n, 3) px."""
+    return np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)
 
 
-def _moved(before: Circle, then: Circle) -> bool:
+def _nearer(patches: Patches, places: FloatArray, expected: Expected) -> FloatArray:
+    """Move all circles, if they are many, by what the limb moves some of them.
+
+    Light moves edges in most pictures alike.
+    """
+    if len(places) <= FEW:
+        return places
+    some = np.unique(np.linspace(0, len(places) - 1, FEW).astype(int)).tolist()
+    _, fitted = _once(patches.take(some), places[some], expected.take(some))
+    found = [(i, then) for i, then in zip(some, fitted, strict=True) if then is not None]
+    if not found:
+        return places
+    ways = _places([then for _, then in found]) - places[[i for i, _ in found]]
+    return np.asarray(places + np.median(ways, axis=0))
+
+
+def _moved(before: Sequence[float], then: Circle) -> bool:
     """Whether a circle is another one."""
-    by = np.hypot(then.x - before.x, then.y - before.y) + abs(then.radius - before.radius)
-    return bool(by > SETTLED_PX)
+    x, y, radius = before
+    return hypot(then.x - x, then.y - y) + abs(then.radius - radius) > SETTLED_PX
 
 
-def _once(
-    patches: Patches, circles: Sequence[Circle], expected: Expected
-) -> tuple[list[Rim], list[Circle | None]]:
-    """See the rims about some circles, and fit circles to them."""
-    places = np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)
-    rims = _rims(look(patches, places, expected), places, [circle.contrast for circle in circles])
+def _once(patches: Patches, places: FloatArray, expected: Expected) -> tuple[list[Rim], list[Circle | None]]:
+    """See the rims about the circles at some places, and fit circles to them."""
+    rims = _rims(look(patches, places, expected), places)
     return rims, fit_circles(rims, places, free_radius=True)
 
 
-def _rims(seen: Look, places: FloatArray, contrasts: Sequence[float]) -> list[Rim]:
+def _rims(seen: Look, places: FloatArray) -> list[Rim]:
     """Join rays side by side, each counting as much as it knows."""
     apart = (len(places), RAYS, TWINS)
     known = (seen.information[..., 0, 0].sum(axis=1) * seen.weights).reshape(apart).sum(axis=2)
@@ -143,7 +149,4 @@ def _rims(seen: Look, places: FloatArray, contrasts: Sequence[float]) -> list[Ri
     distance = places[:, 2:] + shift.clip(-FURTHEST_PX, FURTHEST_PX)
     points = places[:, None, :2] + directions * distance[..., None]
     weights = known / np.maximum(known.sum(axis=1) / np.maximum(there.sum(axis=1), 1), 1e-12)[:, None]
-    return [
-        Rim(points=point, contrast=contrast, weights=weight)
-        for point, contrast, weight in zip(points, contrasts, weights, strict=True)
-    ]
+    return [Rim(points=point, weights=weight) for point, weight in zip(points, weights, strict=True)]

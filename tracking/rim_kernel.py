@@ -33,7 +33,7 @@ def see_rims(
     pictures: tuple[Image, LongArray],
     circles: FloatArray,
     ways: FloatArray,
-    seen: tuple[FloatArray, FloatArray],
+    points: FloatArray,
     part_of: tuple[int, int],
 ) -> None:
     """Find the steepest place on each ray from a circle's centre in each picture.
@@ -44,28 +44,27 @@ def see_rims(
     circles : (n, 3) array
     ways : (2, n) array
         The rim is searched within the radius ± the first of these, px, and smeared by the second up and down.
-    seen : points (n, rays, 2), NaN where no edge is, and contrasts (n,)
-        Written: the median contrast on the rays that meet an edge, levels; infinity where none does.
+    points : (n, rays, 2) array
+        Written; NaN where no edge is.
     part_of : number of the first picture, and of pictures to the next
     """
     levels, places = pictures
-    points, contrasts = seen
     for k in range(part_of[0], len(circles), part_of[1]):
         first, height, width, left, top = places[k]
         image = levels[first : first + 3 * height * width].reshape((height, width, 3))
-        contrasts[k] = _see_rim(image, (left, top), circles[k], (ways[0, k], ways[1, k]), points[k])
+        _see_rim(image, (left, top), circles[k], (ways[0, k], ways[1, k]), points[k])
 
 
 @part
 def _see_rim(
     image: Image, corner: tuple[int, int], circle: FloatArray, ways: Pair, points: FloatArray
-) -> float:
+) -> None:
     """Do so in one picture, which begins at a corner (x, y)."""
     x, y, radius = circle[0] - corner[0], circle[1] - corner[1], circle[2]
     reach, blur = ways
     points[:] = np.nan
     if not np.isfinite(x + y + radius + reach):
-        return np.inf
+        return
     inner = max(radius - reach, HOLLOW * radius)
     count = int(np.ceil((radius + reach + STEP_PX - inner) / STEP_PX))
     furthest = inner + STEP_PX * (count - 1)
@@ -73,7 +72,6 @@ def _see_rim(
     for k in range(count - 1):
         expected[k] = np.exp(-0.5 * ((inner + STEP_PX * (k + 0.5) - radius) / (0.7 * reach)) ** 2)
     line, levels = np.zeros((COLOURS, count), dtype=np.float32), singly(image)
-    contrasts, seen = np.empty(RAYS), 0
     for ray in range(RAYS):
         across, down = DIRECTIONS[ray]
         end_x, end_y = x + across * furthest, y + down * furthest
@@ -85,9 +83,6 @@ def _see_rim(
             distance = inner + STEP_PX * edge
             points[ray, 0] = corner[0] + (x + across * distance)
             points[ray, 1] = corner[1] + (y + down * distance)
-            contrasts[seen] = _apart(line[:, 0], line[:, count - 1])
-            seen += 1
-    return upper_median(contrasts[:seen]) if seen else np.inf
 
 
 @part
@@ -105,12 +100,6 @@ def _sample(levels: SingleArray, start: Pair, direction: Pair, line: SingleArray
             upper += to_right * (levels[i, beside, colour] - upper)
             lower += to_right * (levels[below, beside, colour] - lower)
             line[colour, k] = upper + to_bottom * (lower - upper)
-
-
-@part
-def _apart(one: SingleArray, other: SingleArray) -> float:
-    """How much two samples differ, whatever the colour, brighter or darker."""
-    return float(np.sqrt((one[0] - other[0]) ** 2 + (one[1] - other[1]) ** 2 + (one[2] - other[2]) ** 2))
 
 
 @part
