@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tracking.circle import Circle, Rim, fit_circles
+from tracking.circle import Circle, Rim, fit_circles, places_of
 
 
 def fit_alike(rims: Sequence[Rim], circles: Sequence[Circle | None]) -> list[Circle | None]:
@@ -27,7 +27,7 @@ def fit_alike(rims: Sequence[Rim], circles: Sequence[Circle | None]) -> list[Cir
     seen = [(i, circle) for i, circle in enumerate(circles) if circle is not None]
     if not seen:
         return list(circles)
-    places = np.array([(circle.x, circle.y, circle.radius) for _, circle in seen])
+    places = places_of([circle for _, circle in seen])
     ways = np.array([rims[i].points for i, _ in seen]) - places[:, None, :2]
     distance = np.linalg.norm(ways, axis=2)
     beyond = distance - places[:, 2:]

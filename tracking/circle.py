@@ -8,6 +8,7 @@ are gone through at once: one by one takes ten times as long.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +66,11 @@ class Rim:
         return replace(self, points=points)
 
 
+def places_of(circles: Sequence[Circle]) -> FloatArray:
+    """Give x, y and radius of circles, (n, 3)."""
+    return np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)
+
+
 def find_rims(
     images: Sequence[Image | Patch] | Patches,
     guesses: Sequence[Guess] | FloatArray,
@@ -89,11 +95,7 @@ def find_rims(
     ways = np.array([np.broadcast_to(value, len(circles)) for value in (reach, blur)], dtype=np.float64)
     patches = laid_out(images)
     pictures = patches.levels, patches.places
-
-    def see(first: int, step: int) -> None:
-        see_rims(pictures, circles, ways, points, (first, step))
-
-    side_by_side(see, len(circles))
+    side_by_side(partial(see_rims, pictures, circles, ways, points), len(circles))
     return [Rim(points=place) for place in points]
 
 
@@ -105,12 +107,8 @@ def fit_circles(
     points = np.array([rim.points for rim in rims]).reshape(-1, RAYS, 2)
     weights = np.array([rim.weights for rim in rims]).reshape(-1, RAYS)
     agreement, variances = np.empty(weights.shape), np.empty((len(rims), 2))
-
-    def fit(first: int, step: int) -> None:
-        free = 3 if free_radius else 2
-        fit_rims((points, weights), circles, free, (agreement, variances), (first, step))
-
-    side_by_side(fit, len(rims))
+    free, told = 3 if free_radius else 2, (agreement, variances)
+    side_by_side(partial(fit_rims, (points, weights), circles, free, told), len(rims))
     inlying = agreement > INLIER
     share = inlying.sum(axis=1) / RAYS
     arc = (inlying @ _IN_SECTOR).sum(axis=1) * SECTOR

@@ -9,7 +9,7 @@ from math import hypot
 import numpy as np
 import numpy.typing as npt
 
-from tracking.circle import Circle, Rim, fit_circles
+from tracking.circle import Circle, Rim, fit_circles, places_of
 from tracking.limb_model import ANGLES, DIRECTIONS, SLOPES, TWINS, Expected, Limb, Look, expect, look
 from tracking.patch import Patch, Patches, laid_out
 from tracking.planes import Image
@@ -43,7 +43,7 @@ def measure_limb(
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
     """
-    patches, places = laid_out(images), _places(circles)
+    patches, places = laid_out(images), places_of(circles)
     shape = np.array([Limb().blur, Limb().colour_blur, Limb().shading])
     to_rim = np.column_stack((DIRECTIONS, np.ones(len(ANGLES))))
     for _ in range(MEASURING_STEPS):
@@ -85,28 +85,24 @@ def sharpen(
         Way of the ball up or down during the exposure, px.
     limb : as `measure_limb` gives it
     """
-    patches, places = laid_out(images), _places(circles)
+    patches, places = laid_out(images), places_of(circles)
     expected = expect(limb, float(np.median(places[:, 2])) if len(places) else 1.0, blur)
     places = _nearer(patches, places, expected)
     rims, fitted = _once(patches, places, expected)
     for _ in range(LOOKS - 1):
-        which = [
-            i
-            for i, (before, then) in enumerate(zip(places.tolist(), fitted, strict=True))
-            if then is not None and _moved(before, then)
+        again = [
+            (i, then)
+            for i, then in enumerate(fitted)
+            if then is not None and _moved(places[i].tolist(), then)
         ]
-        if not which:
+        if not again:
             break
-        places[which] = _places([then for i in which if (then := fitted[i]) is not None])
+        which = [i for i, _ in again]
+        places[which] = places_of([then for _, then in again])
         seen = _once(patches.take(which), places[which], expected.take(which))
         for i, rim, circle in zip(which, *seen, strict=True):
             rims[i], fitted[i] = rim, circle
     return rims, fitted
-
-
-def _places(circles: Sequence[Circle]) -> FloatArray:
-    """Give x, y and radius of circles, (n, 3) px."""
-    return np.array([(circle.x, circle.y, circle.radius) for circle in circles]).reshape(-1, 3)
 
 
 def _nearer(patches: Patches, places: FloatArray, expected: Expected) -> FloatArray:
@@ -121,7 +117,7 @@ def _nearer(patches: Patches, places: FloatArray, expected: Expected) -> FloatAr
     found = [(i, then) for i, then in zip(some, fitted, strict=True) if then is not None]
     if not found:
         return places
-    ways = _places([then for _, then in found]) - places[[i for i, _ in found]]
+    ways = places_of([then for _, then in found]) - places[[i for i, _ in found]]
     return np.asarray(places + np.median(ways, axis=0))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tracking.kernel import compiled, inlined, part
-from tracking.single import singly
+from tracking.single import patch_levels
 
 FloatArray = npt.NDArray[np.float64]
 LongArray = npt.NDArray[np.int64]
@@ -16,7 +16,7 @@ SingleArray = npt.NDArray[np.float32]
 Four = tuple[np.float32, np.float32, np.float32, np.float32]
 Ray = tuple[FloatArray, FloatArray, FloatArray]
 Flags = npt.NDArray[np.bool_]
-Room = tuple[LongArray, SingleArray]
+Room = tuple[LongArray, SingleArray, SingleArray]
 
 COLOURS = 3
 COLOUR = 1  # brightness and colour are kinds of levels: the second are two, and more blurred
@@ -47,33 +47,31 @@ def compare_all(
         Zeros and infinity, as they stay on rays that leave the picture.
     part_of : number of the first picture, and of pictures to the next
     """
-    levels, places = pictures
     way_of, directions, offsets, factors, gram, lit = expected
     information, pull, variance = seen
     circle = np.empty(3)
     for k in range(part_of[0], len(circles), part_of[1]):
-        first, height, width, left, top = places[k]
-        image = levels[first : first + 3 * height * width].reshape((height, 3 * width))
+        levels, left, top = patch_levels(pictures, k)
         circle[0], circle[1], circle[2] = circles[k, 0] - left, circles[k, 1] - top, circles[k, 2]
         way = way_of[k]
         rays, model = (circle, offsets[way], directions), (factors[way], gram[way], lit[way])
-        _compare(image, rays, model, (information[k], pull[k], variance[k]))
+        _compare(levels, rays, model, (information[k], pull[k], variance[k]))
 
 
 @part
 def _compare(
-    image: Image,
+    levels: SingleArray,
     rays: Ray,
     model: tuple[SingleArray, SingleArray, SingleArray],
     seen: tuple[FloatArray, FloatArray, FloatArray],
 ) -> None:
-    """Do so in one picture (height, width × 3), with the model of one way.
+    """Do so in one picture (height, width, 3), with the model of one way.
 
     All rays are gone through at once, one product of each at a time: a processor multiplies many of a kind.
     """
     factors, gram, lit = model
     information, pull, variance = seen
-    inside, lines = _levels_along(image, rays, factors.shape[1])
+    inside, lines = _levels_along(levels, rays, factors.shape[1])
     count, light = len(inside), REST + 2 * pull.shape[2]
     left, missing = np.zeros(count, dtype=np.float32), np.empty(count, dtype=np.float32)
     products = np.empty((factors.shape[2], count), dtype=np.float32)
@@ -96,15 +94,16 @@ def _compare(
 
 
 @part
-def _levels_along(image: Image, rays: Ray, samples: int) -> tuple[Flags, SingleArray]:
+def _levels_along(levels: SingleArray, rays: Ray, samples: int) -> tuple[Flags, SingleArray]:
     """Levels (colours, samples, rays): nothing on rays that leave the picture; and which do not."""
     circle, offsets, directions = rays
     inside = np.empty(len(directions), dtype=np.bool_)
     lines = np.zeros((COLOURS, samples, len(directions)), dtype=np.float32)
-    levels = singly(image)
-    room = np.empty((2, samples), dtype=np.int64), np.empty((8, samples), dtype=np.float32)
+    pixels = levels.reshape((len(levels), -1))
+    weights, near = np.empty((8, samples), dtype=np.float32), np.empty(4 * COLOURS, dtype=np.float32)
+    room = np.empty((2, samples), dtype=np.int64), weights, near
     for ray in range(len(directions)):
-        inside[ray] = _sample(levels, (circle, offsets, directions[ray]), room, lines[:, :, ray])
+        inside[ray] = _sample(pixels, (circle, offsets, directions[ray]), room, lines[:, :, ray])
     blues, greens, reds = lines[0].reshape(-1), lines[1].reshape(-1), lines[2].reshape(-1)
     for k in range(len(blues)):  # brightness, and what blue and red have more than that
         blue, red = blues[k], reds[k]
@@ -163,10 +162,10 @@ def _sample(levels: SingleArray, ray: Ray, room: Room, line: SingleArray) -> boo
     """Interpolate levels (colours, samples) along a ray by cubic splines; false if it leaves the picture.
 
     A ray is a circle (3,), offsets from it (samples,) and a direction (2,). `room` is for the corners (2,
-    samples) and weights (8, samples) of the neighbours of each place.
+    samples) and weights (8, samples) of the neighbours of each place, and for four columns of them.
     """
     circle, offsets, direction = ray
-    corners, weights = room
+    corners, weights, near = room
     height, width = levels.shape[0], levels.shape[1] // COLOURS
     for end in (0, len(offsets) - 1):
         distance = circle[2] + offsets[end]
@@ -184,7 +183,6 @@ def _sample(levels: SingleArray, ray: Ray, room: Room, line: SingleArray) -> boo
         weights[4, sample], weights[5, sample], weights[6, sample], weights[7, sample] = _cubic(
             np.float32(x - j)
         )
-    near = np.empty(4 * COLOURS, dtype=np.float32)
     for sample in range(len(offsets)):
         row, left, right = corners[0, sample], corners[1, sample], corners[1, sample] + len(near)
         above, own = levels[row, left:right], levels[row + 1, left:right]

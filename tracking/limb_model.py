@@ -17,6 +17,7 @@ doi:10.1137/0710036).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -116,11 +117,7 @@ def look(patches: Patches, places: FloatArray, expected: Expected) -> Look:
     written = seen.information, seen.pull, seen.variance
     rays_of = expected.way_of, DIRECTIONS, expected.offsets
     model = expected.factors, expected.gram, expected.lit
-
-    def see(first: int, step: int) -> None:
-        compare_all(pictures, places, (*rays_of, *model), written, (first, step))
-
-    side_by_side(see, count)
+    side_by_side(partial(compare_all, pictures, places, (*rays_of, *model), written), count)
     return seen
 
 

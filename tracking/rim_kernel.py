@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from tracking.kernel import compiled, part
 from tracking.median import upper_median
-from tracking.single import singly
+from tracking.single import patch_levels
 
 FloatArray = npt.NDArray[np.float64]
 LongArray = npt.NDArray[np.int64]
@@ -48,16 +48,14 @@ def see_rims(
         Written; NaN where no edge is.
     part_of : number of the first picture, and of pictures to the next
     """
-    levels, places = pictures
     for k in range(part_of[0], len(circles), part_of[1]):
-        first, height, width, left, top = places[k]
-        image = levels[first : first + 3 * height * width].reshape((height, width, 3))
-        _see_rim(image, (left, top), circles[k], (ways[0, k], ways[1, k]), points[k])
+        levels, left, top = patch_levels(pictures, k)
+        _see_rim(levels, (left, top), circles[k], (ways[0, k], ways[1, k]), points[k])
 
 
 @part
 def _see_rim(
-    image: Image, corner: tuple[int, int], circle: FloatArray, ways: Pair, points: FloatArray
+    levels: SingleArray, corner: tuple[int, int], circle: FloatArray, ways: Pair, points: FloatArray
 ) -> None:
     """Do so in one picture, which begins at a corner (x, y)."""
     x, y, radius = circle[0] - corner[0], circle[1] - corner[1], circle[2]
@@ -71,11 +69,11 @@ def _see_rim(
     expected = np.empty(count - 1, dtype=np.float32)
     for k in range(count - 1):
         expected[k] = np.exp(-0.5 * ((inner + STEP_PX * (k + 0.5) - radius) / (0.7 * reach)) ** 2)
-    line, levels = np.zeros((COLOURS, count), dtype=np.float32), singly(image)
+    line = np.zeros((COLOURS, count), dtype=np.float32)
     for ray in range(RAYS):
         across, down = DIRECTIONS[ray]
         end_x, end_y = x + across * furthest, y + down * furthest
-        if not (0 <= end_x <= image.shape[1] - 1 and 0 <= end_y <= image.shape[0] - 1):
+        if not (0 <= end_x <= levels.shape[1] - 1 and 0 <= end_y <= levels.shape[0] - 1):
             continue
         _sample(levels, (x + across * inner, y + down * inner), (across, down), line)
         edge = _steepest(line, expected, (PEAK_PX + blur / 2 * abs(down)) / STEP_PX)

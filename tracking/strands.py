@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 LEAST = 24  # pictures a strand, or starting it costs more than it saves
 
 
-def side_by_side(work: Callable[[int, int], None], count: int) -> None:
+def side_by_side(work: Callable[[tuple[int, int]], None], count: int) -> None:
     """Do some work of `count` parts, in several strands if they are many.
 
     `work` gets the number of its first part and by how much to go on to the next. It must be compiled as a
@@ -16,8 +16,8 @@ def side_by_side(work: Callable[[int, int], None], count: int) -> None:
     Examples
     --------
     >>> squares = [0] * 100
-    >>> def work(first, step):
-    ...     for k in range(first, 100, step):
+    >>> def work(part_of):
+    ...     for k in range(part_of[0], 100, part_of[1]):
     ...         squares[k] = k * k
     >>> side_by_side(work, 100)
     >>> squares[99]
@@ -25,9 +25,9 @@ def side_by_side(work: Callable[[int, int], None], count: int) -> None:
     """
     strands = max(1, min(os.cpu_count() or 1, count // LEAST))
     if strands == 1:
-        return work(0, 1)
+        return work((0, 1))
     with ThreadPoolExecutor(strands - 1) as pool:
-        others = [pool.submit(work, first, strands) for first in range(1, strands)]
-        work(0, strands)
+        others = [pool.submit(work, (first, strands)) for first in range(1, strands)]
+        work((0, strands))
         for other in others:
             other.result()
