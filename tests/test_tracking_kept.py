@@ -65,6 +65,15 @@ def test_once_much_is_kept_frames_are_compared_with_what_most_of_them_show(
         assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
 
 
+def test_one_frame_that_differs_nearly_everywhere_needs_one_more_picture_and_no_others() -> None:
+    everywhere = slice(0, HEIGHT), slice(0, WIDTH)
+    frames = [scene(20.0)] * HELD + [scene(x, everywhere) for x in np.linspace(20.0, 380.0, FALLING)]
+    keeper = keep(frames)
+    assert len(keeper.pictures) == 2
+    for (brightness, *_), seen in zip(frames, again(keeper), strict=True):
+        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+
+
 def test_a_frame_that_differs_nearly_everywhere_from_what_most_show_is_kept_whole(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -93,7 +93,7 @@ class Keeper:
             gain = gain_between(coarse[0], self._reference[0])
             windows = self._changed(coarse, self._reference, gain, seen[0].shape)
         if windows is None:
-            self._reference = coarse
+            self._reference, self._lingering = coarse, None
             self.pictures.append(copied(seen))
             self._bytes += _size(seen)
             windows, gain = (), 1.0
