@@ -18,12 +18,12 @@
 from typing import TYPE_CHECKING, Any
 
 from calibrate.rows import TrialTableError
-from calibrate.trials import check_trials, read_trials, write_trials
 
 if TYPE_CHECKING:
     from calibrate.estimate import Calibration, Estimate, MassPair
     from calibrate.fit import fit_restitution, fit_stiffness_ratio
     from calibrate.shot_fit import ShotCalibration, fit_shot
+    from calibrate.trials import check_trials, read_trials, write_trials
 
 __all__ = [
     "Calibration",
@@ -41,13 +41,15 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the fitting machinery when it is first asked for, so that reading a table stays quick."""
+    """Load tables and fits when they are first asked for: who measures recordings needs neither."""
     if name in ("Calibration", "Estimate", "MassPair"):
         import calibrate.estimate as home
     elif name in ("fit_restitution", "fit_stiffness_ratio"):
         import calibrate.fit as home  # type: ignore[no-redef]
     elif name in ("ShotCalibration", "fit_shot"):
         import calibrate.shot_fit as home  # type: ignore[no-redef]
+    elif name in ("check_trials", "read_trials", "write_trials"):
+        import calibrate.trials as home  # type: ignore[no-redef]
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(home, name)

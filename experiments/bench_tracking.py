@@ -27,13 +27,24 @@ FILES = {  # strength of x264's compression for each picture, and its preset
     "made small": ({"720p": 23, "1080p": 23}, "medium"),  # by a program, to be sent: a tenth of that
 }
 RUNS = 5  # of tracking and decoding in turn: what else the machine does then disturbs both
-LONG = 8.0  # s filmed after the first impact, five of them bounces: how much does memory grow?
+SHORT, LONG = 0.3, 8.0  # s filmed after the first impact: how much does memory grow?
+TRACKED = """
+from tracking.track import track_balls
+from tracking.video import open_recording
+track_balls(open_recording(clip))
+"""
+DRAWN = """
+from experiments.process import process
+from experiments.trial import Body, Trial
+ball = Body(diameter=0.04)
+process(Trial(name="drop", video=clip, kind="plate", bodies={"upper": ball}), {"overlays": True}, clip.parent)
+"""
+WORKS = {"tracked": TRACKED, "measured and drawn": DRAWN}
 MEMORY = """
 import resource, sys
 from pathlib import Path
-from tracking.track import track_balls
-from tracking.video import open_recording
-track_balls(open_recording(sys.argv[1]))
+clip = Path(sys.argv[1])
+exec(sys.argv[2])
 most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 status = Path("/proc/self/status")
 if status.exists():  # on Linux `most` includes the process that started this one
@@ -69,22 +80,25 @@ def _ratios(clip: Path, name: str) -> Iterator[Measured]:
 
 
 def memory() -> Iterator[Measured]:
-    """Peak memory of tracking a short clip, and a long one."""
+    """Peak memory of tracking a short clip and a long one, and of all that is done with each."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, after in (("short", 0.3), ("long", LONG)):
-            scene = replace(PICTURES["720p"], after=after)
+        for name, picture, after in (("short", "720p", SHORT), ("long", "1080p", LONG)):
             clip = Path(folder) / f"{name}.mp4"
-            write_recording(scene, clip)
-            run = subprocess.run(
-                [sys.executable, "-c", MEMORY, str(clip)],
-                cwd=Path(__file__).resolve().parents[1],
-                capture_output=True,
-                text=True,
-                check=True,
-            )
-            yield Measured(
-                quantity=f"peak memory, 720p, {name} clip", value=float(run.stdout), unit="MB", most=500
-            )
+            write_recording(replace(PICTURES[picture], after=after), clip)
+            for done, work in WORKS.items():
+                run = subprocess.run(
+                    [sys.executable, "-c", MEMORY, str(clip), work],
+                    cwd=Path(__file__).resolve().parents[1],
+                    capture_output=True,
+                    text=True,
+                    check=True,
+                )
+                yield Measured(
+                    quantity=f"peak memory, {picture}, {name} clip, {done}",
+                    value=float(run.stdout),
+                    unit="MB",
+                    most=500,
+                )
 
 
 def track(clip: Path) -> None:

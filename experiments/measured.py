@@ -38,7 +38,7 @@ class Measured:
     overlay : Overlay or None
         What to draw on the recording; None if no ball was found.
     recording : Recording or None
-        The recording, for whoever draws upon it.
+        The recording, for whoever draws upon it: without what is kept of its pictures, which is much.
     """
 
     trial: Trial

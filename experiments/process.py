@@ -1,5 +1,8 @@
 """One recording → what is kept of it: the one place that joins tracking and calibrate."""
 
+import ctypes
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -63,8 +66,12 @@ def measure(trial: Trial) -> Measured:
     """
     measured = Measured(trial=trial)
     try:
-        recording = steadied(open_recording(trial.video, capture_fps=trial.camera.capture_fps))
-        measured.recording = recording
+        recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
+        _give_memory_back()
+        recording = steadied(recording)
+        measured.recording = replace(
+            recording, looks={}, pictures=(), kept=()
+        )  # drawing reads the file again
         measured.remarks += recording.notes
         MEASURES[trial.kind](measured, recording)
     except MemoryError:
@@ -83,12 +90,19 @@ def _draw(measured: Measured, out: Path) -> list[str]:
     if measured.recording is None or measured.overlay is None:
         return []
     stem = f"overlays/{measured.trial.name}"
+    _give_memory_back()
     try:
         endings = write_overlays(measured.recording, measured.overlay, out / stem)
     except Exception as error:  # what was measured holds without a picture of it
         measured.remarks.append(f"no overlay could be written: {type(error).__name__}: {error}")
         return []
     return [f"{stem}.{ending}" for ending in endings]
+
+
+def _give_memory_back() -> None:
+    """Give the system what was let go of; the C library of most Linux systems keeps it else."""
+    with suppress(AttributeError, OSError, TypeError):  # others do so by themselves
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def _named(trial: Trial, reason: str) -> str:

@@ -3,16 +3,19 @@
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from film_discs import HEIGHT, RADIUS_PX, WIDTH, film
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tracking.contact_sheet import PANEL_PX
 from tracking.encode import write_video
 from tracking.overlay import Moment, Outline, Overlay, Scene
 from tracking.overlay_film import as_png, write_overlay
-from tracking.overlay_marks import enlarged, whole_brush
+from tracking.overlay_marks import FINE_SHIFT, LEAST_SIDE, MOST_SIDE, resized, whole_brush
 from tracking.video import Recording, open_recording, read_frames
 
 Picture = NDArray[np.uint8]
@@ -21,6 +24,7 @@ ZOOM = 3  # of a picture 160 px high
 WAY = np.column_stack((np.linspace(40, 280, COUNT), np.full(COUNT, 80.0)))
 SEEN = Outline(frame=np.arange(COUNT), centre=WAY, radius=np.full(COUNT, float(RADIUS_PX)))
 HIT = Moment(time=12 / 240, place=np.array([139.3, 80.0]), words="impact")
+UNIT = st.floats(0, 1)
 
 
 @pytest.fixture(scope="module")
@@ -117,4 +121,22 @@ def test_a_path_that_leaves_the_picture_or_is_unknown_costs_nothing(
 
 def test_odd_sides_are_made_even() -> None:
     picture = np.zeros((361, 405, 3), np.uint8)
-    assert enlarged(picture, whole_brush(picture.shape)).shape == (362, 406, 3)
+    assert resized(picture, whole_brush(picture.shape)).shape == (362, 406, 3)
+
+
+@given(rows=st.integers(100, 2000), columns=st.integers(100, 2000), place=st.tuples(UNIT, UNIT))
+def test_what_is_drawn_lies_on_what_it_marks_at_any_size(
+    rows: int, columns: int, place: tuple[float, float]
+) -> None:
+    """Small pictures are enlarged, large ones made smaller."""
+    x, y = 20 + place[0] * (columns - 40), 20 + place[1] * (rows - 40)
+    picture = np.zeros((rows, columns, 3), np.uint8)
+    cv2.circle(picture, (round(x), round(y)), 12, (255, 255, 255), -1)
+    brush = whole_brush(picture.shape)
+    seen = resized(picture, brush)
+    weights = cv2.moments(seen[..., 0])
+    found = weights["m10"] / weights["m00"], weights["m01"] / weights["m00"]
+    told = brush.fine(np.array([round(x), round(y)])) / 2**FINE_SHIFT
+    np.testing.assert_allclose(found, told, atol=0.6)
+    assert min(seen.shape[:2]) >= LEAST_SIDE
+    assert min(seen.shape[:2]) <= MOST_SIDE + 1

@@ -16,6 +16,7 @@ from tracking.planes import Image, Planes
 
 PLANAR = ("yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p")
 OTHERWISE = "yuv444p"
+MOST_THREADS = 6  # each of them holds several pictures in memory
 ARCHIVES = (
     b"PK\x03\x04",
     b"\x1f\x8b",
@@ -111,6 +112,7 @@ def opened(path: Path) -> Iterator[Film]:
     with _container(path) as container:
         stream = container.streams.video[0]
         stream.thread_type = "AUTO"
+        stream.thread_count = min((os.cpu_count() or 1) + 1, MOST_THREADS)
         tags = {**container.metadata, **stream.metadata}
         yield Film(container, tags, float(stream.sample_aspect_ratio or 1))
 

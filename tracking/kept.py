@@ -18,7 +18,7 @@ from tracking.coarse import COARSE, brightened, coarsely, gain_between, largest_
 from tracking.median import median_of
 from tracking.planes import Image, Planes, Window, copied, cut, everywhere
 
-MOST_BYTES = 120_000_000  # all of the program then takes less than 500 MB, up to 1080p
+MOST_BYTES = 100_000_000  # all of the program then takes less than 500 MB, up to 1080p
 MUCH_BYTES = 30_000_000  # from here on frames are compared with what most of them show
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
 NOISE_FACTOR = 5.0  # a change this many times the noise is one
@@ -124,7 +124,7 @@ class Keeper:
                 windows = self._changed(coarse, self._reference, 1.0, usual[0].shape)
                 places = (everywhere(usual[0].shape),) if windows is None else windows
                 self._keep([_part(shown(before, kept, window), coarse, window) for window in places])
-        self._much = 2 * max(self._bytes, self._much)
+        self._much = max(2 * self._bytes, MOST_BYTES)  # it would hardly become less before
 
     def _changed(
         self, coarse: Planes, reference: Planes, gain: float, shape: tuple[int, ...]

@@ -19,7 +19,7 @@ from tracking.overlay_marks import (
     draw_curve,
     draw_moment,
     draw_trail,
-    enlarged,
+    resized,
     whole_brush,
 )
 from tracking.planes import Image
@@ -28,7 +28,7 @@ from tracking.video import Frame, Recording, read_frames
 FASTEST_PLAY = 30.0  # pictures a second: faster recordings play in slow motion
 LONGEST_TRAIL = 240  # sightings
 FLASH_FRAMES = 1.5  # on each side of a moment, in which its place is ringed
-QUALITY = 23  # constant rate factor: an overlay is looked at, not measured
+QUALITY, PRESET = 23, "ultrafast"  # of x264: an overlay is looked at, not measured
 
 
 def write_overlay(recording: Recording, overlay: Overlay, path: Path) -> Image | None:
@@ -50,7 +50,8 @@ def write_overlay(recording: Recording, overlay: Overlay, path: Path) -> Image |
     """
     panels: list[Image] = []
     pictures = _film(recording, overlay, panels)
-    write_video(path, pictures, min(recording.capture_fps, FASTEST_PLAY), crf=QUALITY, index_first=True)
+    rate = min(recording.capture_fps, FASTEST_PLAY)
+    write_video(path, pictures, rate, crf=QUALITY, preset=PRESET, index_first=True)
     return arrange(panels)
 
 
@@ -73,7 +74,7 @@ def _film(recording: Recording, overlay: Overlay, panels: list[Image]) -> Iterat
             _draw(panel, frame, overlay, fine_brush, flash)
             stamp = _stamp(frame.index, frame.time)
             panels.append(add_strip(panel, [stamp], fine_brush, (1, [stamp])))
-        picture = enlarged(frame.image, brush)
+        picture = resized(frame.image, brush)
         _draw(picture, frame, overlay, brush, flash)
         lines = _stamp(frame.index, frame.time), *overlay.scene_at(frame.time).lines
         yield add_strip(picture, lines, brush, room)

@@ -14,6 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 Colour = tuple[int, int, int]
 
 LEAST_SIDE = 360  # px of the shorter side: smaller pictures are enlarged by a whole factor
+MOST_SIDE = 720  # ... larger ones are made smaller: to encode them all would take longer than to measure them
 FINE_SHIFT = 4  # bits of a pixel's fraction that OpenCV takes
 BALL_COLOURS: tuple[Colour, ...] = ((0, 159, 230), (233, 180, 86), (167, 121, 204))
 """Orange, sky blue, reddish purple (blue, green, red)."""
@@ -62,17 +63,19 @@ class Brush:
 
 def whole_brush(shape: tuple[int, ...]) -> Brush:
     """Fit a brush to all of a picture of this shape (rows, columns, ...)."""
-    zoom = max(1, ceil(LEAST_SIDE / min(shape[:2])))
-    shorter = zoom * min(shape[:2])
+    side = min(shape[:2])
+    zoom = min(1.0, MOST_SIDE / side) if side >= LEAST_SIDE else ceil(LEAST_SIDE / side)
+    shorter = zoom * side
     return Brush(zoom=zoom, stroke=max(1, round(shorter / 600)), letters=max(1.0, shorter / 480))
 
 
-def enlarged(image: Image, brush: Brush) -> Image:
-    """Copy a whole picture, enlarged, with even sides as video needs them (last row and column repeat)."""
+def resized(image: Image, brush: Brush) -> Image:
+    """Copy a whole picture at a brush's size, with even sides as video needs them (the last ones repeat)."""
     rows, columns = (round(side * brush.zoom) for side in image.shape[:2])
-    large = cv2.resize(image, (columns, rows), interpolation=cv2.INTER_NEAREST)
+    method = cv2.INTER_NEAREST if brush.zoom >= 1 else cv2.INTER_LINEAR
+    copy = cv2.resize(image, (columns, rows), interpolation=method)
     return np.asarray(
-        cv2.copyMakeBorder(large, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE), dtype=np.uint8
+        cv2.copyMakeBorder(copy, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE), dtype=np.uint8
     )
 
 
