@@ -69,9 +69,7 @@ def measure(trial: Trial) -> Measured:
         recording = open_recording(trial.video, capture_fps=trial.camera.capture_fps)
         _give_memory_back()
         recording = steadied(recording)
-        measured.recording = replace(
-            recording, looks={}, pictures=(), kept=()
-        )  # drawing reads the file again
+        measured.recording = replace(recording, looks={}, pictures=(), kept=())  # drawing reads it again
         measured.remarks += recording.notes
         MEASURES[trial.kind](measured, recording)
     except MemoryError:

@@ -13,8 +13,8 @@ from tracking.planes import Image
 FloatArray = npt.NDArray[np.float64]
 Colour = tuple[int, int, int]
 
-LEAST_SIDE = 360  # px of the shorter side: smaller pictures are enlarged by a whole factor
-MOST_SIDE = 720  # ... larger ones are made smaller: to encode them all would take longer than to measure them
+LEAST_SIDE = 360  # px of the shorter side: smaller pictures are enlarged by a whole factor,
+MOST_SIDE = 720  # ... larger ones made smaller, which take long to encode
 FINE_SHIFT = 4  # bits of a pixel's fraction that OpenCV takes
 BALL_COLOURS: tuple[Colour, ...] = ((0, 159, 230), (233, 180, 86), (167, 121, 204))
 """Orange, sky blue, reddish purple (blue, green, red)."""
@@ -64,7 +64,7 @@ class Brush:
 def whole_brush(shape: tuple[int, ...]) -> Brush:
     """Fit a brush to all of a picture of this shape (rows, columns, ...)."""
     side = min(shape[:2])
-    zoom = min(1.0, MOST_SIDE / side) if side >= LEAST_SIDE else ceil(LEAST_SIDE / side)
+    zoom = max(1, ceil(LEAST_SIDE / side)) if side <= MOST_SIDE else MOST_SIDE / side
     shorter = zoom * side
     return Brush(zoom=zoom, stroke=max(1, round(shorter / 600)), letters=max(1.0, shorter / 480))
 
