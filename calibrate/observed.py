@@ -68,6 +68,11 @@ def found_in(trials: pd.DataFrame) -> Found:
         two=observed_rebounds(trials),
     )
     if found.held is None and found.plate is None and found.two is None:
+        if set(trials["kind"]) == {"pair"}:
+            raise TrialTableError(
+                "all trials are of kind pair, which needs no fit: each row has its own restitution; fit "
+                "takes plate, held, two and shot"
+            )
         raise TrialTableError(
             "no usable trial of kind plate, held or two; mend what the reasons in the table name, and run "
             "process again with --resume"

@@ -6,11 +6,13 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from math import atan2, degrees, hypot
 from typing import Any, TypeVar
 
+from calibrate.rows import VELOCITIES
 from experiments.record import Record
 
 Item = TypeVar("Item")
 Row = Mapping[str, Any]
 
+BOUNCE_HEADS = ("before m/s", "after m/s", "restitution", "gravity")
 DROP_HEADS = ("before m/s", "after m/s", "lower m/s", "gravity")
 SHOT_HEADS = ("speed", "direction", "spin x", "spin y", "friction", "unit")
 PAIR_HEADS = ("striker", "after", "struck", "after", "restit.", "gap %", "unit")
@@ -24,8 +26,11 @@ def headline(kind: str, width: int) -> str:
 
 def columns_of(kind: str) -> tuple[Sequence[str], Callable[[Row], list[str]]]:
     """Give the headings of one kind's columns, and what writes a row's cells."""
-    others = {"shot": (SHOT_HEADS, _shot_columns), "pair": (PAIR_HEADS, _pair_columns)}
-    return others.get(kind, (DROP_HEADS, _drop_columns))
+    if kind == "shot":
+        return SHOT_HEADS, _shot_columns
+    if kind == "pair":
+        return PAIR_HEADS, _pair_columns
+    return (DROP_HEADS, _drop_columns) if kind == "two" else (BOUNCE_HEADS, _bounce_columns)
 
 
 def name_width(names: Iterable[str]) -> int:
@@ -83,10 +88,15 @@ def _opening(remark: str) -> str:
     return remark.partition(",")[0]
 
 
+def _bounce_columns(row: Row) -> list[str]:
+    """Velocities, restitution on what does not move, and gravity as a check."""
+    velocities = [_number(row.get(name)) for name in VELOCITIES[:2]]
+    return [*velocities, _with_sd(row, "restitution"), _with_sd(row, "gravity_check")]
+
+
 def _drop_columns(row: Row) -> list[str]:
-    """Velocities, and gravity as a check."""
-    names = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity", "gravity_check")
-    return [_number(row.get(name)) for name in names]
+    """Velocities of both balls, and gravity as a check."""
+    return [*(_number(row.get(name)) for name in VELOCITIES), _with_sd(row, "gravity_check")]
 
 
 def _shot_columns(row: Row) -> list[str]:
@@ -119,9 +129,15 @@ def _per_second(row: Row) -> str:
     return f"{row['unit']}/s" if "unit" in row else ""
 
 
+def _with_sd(row: Row, name: str) -> str:
+    """Give a value with its standard deviation, if that is known."""
+    value, sd = _number(row.get(name), 3), _number(row.get(f"{name}_sd"), 3)
+    return f"{value}±{sd}" if sd else value
+
+
 def _columns(texts: Iterable[str]) -> str:
     """Right-aligned columns."""
-    return " ".join(f"{text:>10}" for text in texts)
+    return " ".join(f"{text:>11}" for text in texts)
 
 
 def _number(value: float | None, places: int = 4) -> str:

@@ -23,6 +23,7 @@ from experiments.measured import Fit, Measured, only_seen
 from experiments.rates import likely_rate
 from experiments.rows import cells, empty_row, judgement
 from experiments.trial import Body, Trial
+from tracking.bounce import turns
 from tracking.budget import Budget
 from tracking.errors import RecordingError
 from tracking.flight import Flight, apex, position
@@ -56,6 +57,7 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     measured.remarks += [remark for _, remarks in known for remark in remarks]
     flights = [flight for flight, _ in known]
     impacts = _impacts(trial, measured.tracks, flights, budget_of(trial, measured.tracks, scale, recording))
+    measured.remarks += [] if trial.kind == "two" else _unmeasured(measured.tracks[0], impacts)
     change = float(np.ptp(impacts[0].velocities[:2]))
     measured.remarks += untold_shutter(trial, change, scale, recording)
     believed = recording.capture_fps
@@ -66,7 +68,7 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
         measured.rows = [row if row["reason"] else {**row, **judgement(swelling)} for row in measured.rows]
     fits = [_fits(impact, measured.tracks, flights) for impact in impacts]
     measured.fits = [fit for impact in fits for fit in impact]
-    scenes = _scenes(impacts, fits, measured.tracks[0], scale)
+    scenes = _scenes(measured, impacts, fits, scale)
     measured.overlay = replace(measured.overlay, scenes=scenes)
 
 
@@ -104,6 +106,29 @@ def _impacts(
     return impacts
 
 
+def _unmeasured(track: Track, impacts: Sequence[Impact]) -> list[str]:
+    """Tell the bounces that are seen but not measured; when the ball trembles at last, none is."""
+    near = 1.5 * float(np.median(np.diff(track.time)))
+    missed = [
+        f"{time:.3f} s"
+        for time in track.time[turns(track)]
+        if time < impacts[-1].time and all(abs(time - impact.time) > near for impact in impacts)
+    ]
+    if not missed:
+        return []
+    return [
+        f"the ball bounces at {', '.join(missed)} as well, but too little of its flight is seen for a "
+        "velocity: drop it from higher, or record more frames a second"
+    ]
+
+
+def _restitution(impact: Impact) -> tuple[float, float]:
+    """Give the coefficient of restitution on what does not move, and its standard deviation."""
+    approach, rebound = impact.velocities[:2]
+    slope = np.array([rebound / approach**2, -1 / approach])
+    return float(-rebound / approach), float(np.sqrt(slope @ impact.covariance[:2, :2] @ slope))
+
+
 def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | None]) -> dict[str, Any]:
     """One row of the trial table; rates of capture as believed, and as gravity tells where it is off."""
     shared = {
@@ -117,6 +142,7 @@ def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | No
         "impact": number,
         "time": impact.time,
         **cells(VELOCITIES, list(impact.velocities), list(impact.sd)),
+        **({} if trial.kind == "two" else cells(["restitution"], *zip(_restitution(impact), strict=True))),
         "gravity_check": impact.gravity_check,
         "gravity_check_sd": impact.gravity_check_sd,
         **cells([f"{name}_free" for name in VELOCITIES], list(impact.free_velocities), list(impact.free_sd)),
@@ -130,15 +156,19 @@ def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | No
 
 
 def _scenes(
-    impacts: Sequence[Impact], fits: Sequence[Sequence[Fit]], upper: Track, scale: Scale
+    measured: Measured, impacts: Sequence[Impact], fits: Sequence[Sequence[Fit]], scale: Scale
 ) -> tuple[Scene, ...]:
     """Tell the overlay one scene an impact, changing midway between two."""
+    upper = measured.tracks[0]
     times = [impact.time for impact in impacts]
     starts = [-np.inf, *((before + after) / 2 for before, after in pairwise(times))]
     return tuple(
         Scene(
             since=start,
-            lines=(f"impact {number} of {len(impacts)} at {impact.time:.4f} s", *_lines(impact)),
+            lines=(
+                f"impact {number} of {len(impacts)} at {impact.time:.4f} s",
+                *_lines(impact, measured.trial.kind),
+            ),
             curves=tuple(to_pixels(scale, fit.path[:, 1:]) for fit in fits[number - 1]),
             moments=(_moment(impact, upper, scale, number),),
         )
@@ -146,11 +176,12 @@ def _scenes(
     )
 
 
-def _lines(impact: Impact) -> list[str]:
-    """Velocities in words."""
+def _lines(impact: Impact, kind: str) -> list[str]:
+    """Velocities in words, and restitution on what does not move."""
     names = ("before", "after", "lower ball after")
     told = zip(names, impact.velocities, impact.sd, strict=True)
-    return [f"{name} {value:.4f} +/- {sd:.4f} m/s" for name, value, sd in told if np.isfinite(value)]
+    lines = [f"{name} {value:.4f} +/- {sd:.4f} m/s" for name, value, sd in told if np.isfinite(value)]
+    return lines if kind == "two" else [*lines, "restitution {:.3f} +/- {:.3f}".format(*_restitution(impact))]
 
 
 def _moment(impact: Impact, upper: Track, scale: Scale, number: int) -> Moment:

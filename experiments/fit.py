@@ -23,6 +23,8 @@ from experiments.fitting import (
 from experiments.run import Json, leave_report, print_json
 from experiments.verbs import SOME_FAILED, announce_compilation, verb
 
+MODELLED = {"two", "shot"}
+"""Kinds of trials that are held against the model of two contacts, which has to be compiled."""
 EPILOG = "Example: impactlab fit trials.csv --out results"
 
 
@@ -74,7 +76,6 @@ def fit(
     from calibrate.rows import TrialTableError
 
     say = partial(typer.echo, err=as_json)  # JSON stands alone on standard output
-    announce_compilation()
     written: list[str] = []
     if hold_readings(tables):
         failed = fit_readings(tables, out, bodies_of(ball or []), say)
@@ -82,6 +83,8 @@ def fit(
     else:
         options = {"exponent": exponent, "ball_ball": ball_ball, "ball_table": ball_table}
         there = kinds_in(tables)
+        if there & MODELLED:
+            announce_compilation()
         failed = failed_trials(tables)
         if "shot" in there:
             try:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from experiments.apart import USUAL_TIMEOUT
-from experiments.verbs import INTERRUPTED, SOME_FAILED, verb
+from experiments.verbs import INTERRUPTED, SOME_FAILED, TRACKING, announce_compilation, verb
 
 if TYPE_CHECKING:
     from experiments.batch import Batch
@@ -101,6 +101,8 @@ def process(
         limits=Limits(timeout=timeout, memory=memory),
         cluster=cluster,
     )
+    if not quiet:
+        announce_compilation(TRACKING, "what tracks balls")
     code = measure(trials, batch, quiet=quiet, as_json=as_json)
     leave_report(out, "process", quiet=quiet)
     if code:

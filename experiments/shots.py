@@ -69,16 +69,16 @@ def _scale(trial: Trial, seen: ShotTrack) -> tuple[Scale | None, str]:
     """Give the scale; or None, for a shot that stays in pixels, and why it does."""
     diameter = trial.body("ball").diameter
     scale = told_scale(trial) or (None if diameter is None else scale_from_ball(seen.ball, diameter))
-    if scale is None:
-        return None, (
-            "lengths are in pixels, because nothing tells how large one is; give --ball-diameter, "
-            "--metres-per-pixel, or four corners of the cloth in an experiment.toml"
-        )
     if seen.perspective > PERSPECTIVE and "corners_px" not in trial.camera.scale:
         return None, (
             f"lengths are in pixels, because the table is filmed at an angle (the ball's outline changes by "
             f"{seen.perspective:.0%} on its way), where one scale does not serve; give four corners of the "
             "cloth in an experiment.toml: corners_px, width, height"
+        )
+    if scale is None:
+        return None, (
+            "lengths are in pixels, because no scale is told; give --ball-diameter, --metres-per-pixel, or "
+            "four corners of the cloth in an experiment.toml"
         )
     return scale, ""
 

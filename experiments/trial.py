@@ -197,6 +197,17 @@ def _check_points(name: str, points: Any) -> None:
     count = POINTS[name]
     if len(pairs) != count or not all(map(_is_point, pairs)):
         raise ValueError(f"scale: {name} must be {count} points [x, y] in pixels, got {shown(points)}")
+    if name == "corners_px" and not _goes_round(pairs):
+        raise ValueError(
+            "scale: corners_px must be the lower left, lower right, upper right and upper left corner, in "
+            f"this order, got {shown(points)}"
+        )
+
+
+def _goes_round(corners: Sequence[Sequence[float]]) -> bool:
+    """Tell whether four corners turn to the left at each, as one sees them in a picture, where y is down."""
+    sides = [(b[0] - a[0], b[1] - a[1]) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    return all(a[0] * b[1] < a[1] * b[0] for a, b in zip(sides, [*sides[1:], sides[0]], strict=True))
 
 
 def require_positive(name: str, value: object) -> None:

@@ -10,7 +10,7 @@ import typer
 
 Parameters = ParamSpec("Parameters")
 
-ENGINE = Path(__file__).resolve().parents[1] / "impact"
+ENGINE, TRACKING = (Path(__file__).resolve().parents[1] / room for room in ("impact", "tracking"))
 SOME_FAILED, WRONG_USE, INTERRUPTED = 1, 2, 130
 
 
@@ -33,11 +33,11 @@ def verb(function: Callable[Parameters, None]) -> Callable[Parameters, None]:
     return guarded
 
 
-def announce_compilation(engine: Path = ENGINE) -> None:
+def announce_compilation(room: Path = ENGINE, what: str = "the model") -> None:
     """Say why the first run after installation takes long, before it does: nothing moves meanwhile."""
-    kept_elsewhere = "NUMBA_CACHE_DIR" in os.environ or not os.access(engine, os.W_OK)
-    if not kept_elsewhere and next((engine / "__pycache__").glob("*.nbi"), None) is None:
-        typer.echo("impactlab: the model is being compiled, once: half a minute or more", err=True)
+    kept_elsewhere = "NUMBA_CACHE_DIR" in os.environ or not os.access(room, os.W_OK)
+    if not kept_elsewhere and next((room / "__pycache__").glob("*.nbi"), None) is None:
+        typer.echo(f"impactlab: {what} is being compiled, once: half a minute or more", err=True)
 
 
 def fail(sentence: str, code: int = WRONG_USE) -> None:

@@ -133,6 +133,12 @@ def test_a_table_without_any_usable_trial_is_refused() -> None:
         fit_stiffness_ratio(trials)
 
 
+def test_pairs_are_said_to_need_no_fit() -> None:
+    trials = drops("plate", [0.84]).assign(kind="pair")
+    with pytest.raises(TrialTableError, match="kind pair, which needs no fit: each row has its own restitut"):
+        fit_stiffness_ratio(trials)
+
+
 def test_restitution_of_a_kind_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match="no usable trial of kind 'held'"):
         fit_restitution(drops("plate", [0.84]), "held")

@@ -118,6 +118,10 @@ def test_a_shot_may_be_told_its_cue_ball(folder: Path) -> None:
         ("[camera.scale]\ndistance = 1\npoints_px = [[0, 1], [nan, 2]]\n" + TRIAL, "must be 2 points"),
         ("[camera.scale]\ndistance = 1\npoints_px = [[0, 1]]\n" + TRIAL, "must be 2 points"),
         ("[camera.scale]\nwidth = 1\nheight = 1\ncorners_px = [1, 2, 3, 4]\n" + TRIAL, "must be 4 points"),
+        (
+            "[camera.scale]\nwidth = 1\nheight = 1\ncorners_px = [[0, 0], [9, 0], [9, 9], [0, 9]]\n" + TRIAL,
+            "must be the lower left, lower right, upper right and upper left corner, in this order",
+        ),
         (TRIAL.replace("two-00", "two-99"), "trial 1: there is no video 'two-99.mp4'; its path counts"),
         (TRIAL.replace("two-00", "one-*"), "trial 1: no video matches 'one-.*.mp4'; its path counts from"),
         (TRIAL.replace("two-00.mp4", "*.toml"), "trial 1: no video matches"),

@@ -57,6 +57,31 @@ def test_ball_on_the_plate(plate: Measured, plate_clip: Clip) -> None:
     assert first_row(plate)["lower_mass"] is None
 
 
+def test_restitution_on_the_plate_stands_in_its_row_as_true_as_the_velocities(
+    plate: Measured, plate_clip: Clip
+) -> None:
+    row, event = first_row(plate), plate_clip.truth["events"][0]
+    assert row["restitution"] == -row["upper_rebound_velocity"] / row["approach_velocity"]
+    assert row["restitution"] == pytest.approx(
+        -event["v1"][0] / event["v0"][0], abs=3 * row["restitution_sd"]
+    )
+    apart = np.hypot(*(row[f"{name}_sd"] / row[name] for name in VELOCITIES[:2])) * row["restitution"]
+    assert 0 < row["restitution_sd"] < 1.1 * apart  # what both velocities share takes nothing from a ratio
+
+
+def test_a_bounce_of_which_too_little_is_seen_is_said_and_the_next_is_measured(tmp_path: Path) -> None:
+    clip = film(replace(SHORTEST, after=0.4), tmp_path / "whole.mp4")
+    first, second, *_ = (event["t"] for event in clip.truth["events"])
+    fps, frames = SMALL.fps, [frame.image for frame in read_frames(open_recording(clip.path))]
+    start = int(first * fps) - 3
+    write_video(tmp_path / "late.mp4", frames[start:], fps)
+    measured = measure(trial_of(tmp_path / "late.mp4"))
+    assert first_row(measured)["time"] == pytest.approx(second - start / fps, abs=0.002)
+    (remark,) = (remark for remark in measured.remarks if "bounces at" in remark)
+    assert float(remark.split()[4]) == pytest.approx(first - start / fps, abs=1 / fps)
+    assert not any("bounces at" in remark for remark in measure(trial_of(clip.path)).remarks)
+
+
 def test_ball_on_a_ball_at_rest(two_clip: Clip) -> None:
     measured = measure(trial_of(two_clip.path, "two"))
     assert_true(first_row(measured), two_clip.truth)

@@ -95,7 +95,7 @@ class Page(HTMLParser):
 
 def test_the_page_counts_first_and_tells_every_reason(out: Path) -> None:
     text = Page(write_report(out)).text
-    assert text.index("1 of 3 recordings measured") < text.index("What to look at") < text.index("Each trial")
+    assert text.index("2 of 3 recordings measured") < text.index("What to look at") < text.index("Each trial")
     assert "▲ suspect second: gravity reads low; check the scale" in " ".join(text.split())
     assert "is empty; copy it again" in text
     assert "A State Transition Diagram for Simultaneous Collisions" in text

@@ -213,7 +213,7 @@ def test_fitted_paths_are_kept_with_the_times_they_hold_for(run: tuple[dict[str,
 
 def test_the_console_has_columns_for_each_kind(run: tuple[dict[str, Record], Path]) -> None:
     heads = {console.headline(kind, 8) for kind in ("plate", "held", "two", "shot", "pair")}
-    assert len(heads) == 3
+    assert len(heads) == 4
     for name, words in (("shot", "px/s  suspect"), ("pair", "px/s  ok"), ("neither", "  failed")):
         line = next(console.impact_lines(run[0][name], 8))
         head = console.headline(run[0][name].kind, 8)

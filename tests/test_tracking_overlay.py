@@ -15,7 +15,7 @@ from tracking.contact_sheet import PANEL_PX
 from tracking.encode import write_video
 from tracking.overlay import Moment, Outline, Overlay, Scene
 from tracking.overlay_film import as_png, write_overlay
-from tracking.overlay_marks import FINE_SHIFT, LEAST_SIDE, MOST_SIDE, resized, whole_brush
+from tracking.overlay_marks import FINE_SHIFT, LEAST_SIDE, MOST_LENGTH, MOST_SIDE, resized, whole_brush
 from tracking.video import Recording, open_recording, read_frames
 
 Picture = NDArray[np.uint8]
@@ -138,5 +138,6 @@ def test_what_is_drawn_lies_on_what_it_marks_at_any_size(
     found = weights["m10"] / weights["m00"], weights["m01"] / weights["m00"]
     told = brush.fine(np.array([round(x), round(y)])) / 2**FINE_SHIFT
     np.testing.assert_allclose(found, told, atol=0.6)
-    assert min(seen.shape[:2]) >= LEAST_SIDE
+    assert seen.shape[1] >= LEAST_SIDE
     assert min(seen.shape[:2]) <= MOST_SIDE + 1
+    assert max(seen.shape[:2]) <= MOST_LENGTH + 1

@@ -33,8 +33,7 @@ def find_bounces(track: Track) -> list[Bounce]:
     list of Bounce
         In order of time; empty if the ball never turns.
     """
-    prominence = max(6 * float(np.median(track.y_sd)), PROMINENCE * track.radius)
-    lowest, _ = find_peaks(-track.y, prominence=prominence)
+    lowest = turns(track)
     edges = np.concatenate(([_release(track)], lowest, [len(track.y)]))
     bounces = []
     for number, turn in enumerate(lowest):
@@ -44,6 +43,13 @@ def find_bounces(track: Track) -> list[Bounce]:
         if bounce is not None:
             bounces.append(bounce)
     return bounces
+
+
+def turns(track: Track) -> IndexArray:
+    """Find the frames in which a ball (track in metres) is lowest, one for each bounce that one can see."""
+    prominence = max(6 * float(np.median(track.y_sd)), PROMINENCE * track.radius)
+    lowest, _ = find_peaks(-track.y, prominence=prominence)
+    return np.asarray(lowest, dtype=np.int64)
 
 
 def _release(track: Track) -> int:

@@ -14,7 +14,8 @@ FloatArray = npt.NDArray[np.float64]
 Colour = tuple[int, int, int]
 
 LEAST_SIDE = 360  # px of the shorter side: smaller pictures are enlarged by a whole factor,
-MOST_SIDE = 720  # ... larger ones made smaller, which take long to encode
+MOST_SIDE = 720  # ... larger ones made smaller, which take long to encode;
+MOST_LENGTH = 1920  # ... and so are longer ones, which not every browser plays
 FINE_SHIFT = 4  # bits of a pixel's fraction that OpenCV takes
 BALL_COLOURS: tuple[Colour, ...] = ((0, 159, 230), (233, 180, 86), (167, 121, 204))
 """Orange, sky blue, reddish purple (blue, green, red)."""
@@ -63,19 +64,25 @@ class Brush:
 
 def whole_brush(shape: tuple[int, ...]) -> Brush:
     """Fit a brush to all of a picture of this shape (rows, columns, ...)."""
-    side = min(shape[:2])
-    zoom = max(1, ceil(LEAST_SIDE / side)) if side <= MOST_SIDE else MOST_SIDE / side
+    side, length = sorted(shape[:2])
+    most = min(MOST_SIDE / side, MOST_LENGTH / length)
+    zoom = min(ceil(LEAST_SIDE / side), int(most)) if most >= 1 else most
     shorter = zoom * side
     return Brush(zoom=zoom, stroke=max(1, round(shorter / 600)), letters=max(1.0, shorter / 480))
 
 
 def resized(image: Image, brush: Brush) -> Image:
-    """Copy a whole picture at a brush's size, with even sides as video needs them (the last ones repeat)."""
+    """Copy a whole picture at a brush's size, with even sides as video needs them.
+
+    It is as wide as text needs; there is nothing to the right of a narrower one.
+    """
     rows, columns = (round(side * brush.zoom) for side in image.shape[:2])
     method = cv2.INTER_NEAREST if brush.zoom >= 1 else cv2.INTER_LINEAR
     copy = cv2.resize(image, (columns, rows), interpolation=method)
+    even = cv2.copyMakeBorder(copy, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE)
+    beside = max(0, LEAST_SIDE - even.shape[1])
     return np.asarray(
-        cv2.copyMakeBorder(copy, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE), dtype=np.uint8
+        cv2.copyMakeBorder(even, 0, 0, 0, beside, cv2.BORDER_CONSTANT, value=DARK), dtype=np.uint8
     )
 
 

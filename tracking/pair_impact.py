@@ -147,7 +147,8 @@ def _leg(track: Track, disc: int, moment: float, after: bool) -> Leg:
         raise RecordingError(
             f"the {track.ball} disc is seen in free motion in {len(ordered)} frames only "
             f"{'after' if after else 'before'} the impact, but {FEWEST_FRAMES} are needed; record more "
-            "frames a second, let it go earlier, and keep both discs in the picture"
+            "frames a second (or tell --capture-fps, if this is slow motion), let it go earlier, and keep "
+            "both discs in the picture"
         )
     chosen = np.sort(ordered)
     sd = np.column_stack((track.x_sd, track.y_sd))

@@ -7,6 +7,11 @@ from calibrate.report import rounded
 from calibrate.rows import TEXT_COLUMNS, VELOCITIES
 
 MILLIMETRES = 1000.0
+WORDS = {
+    "approach_velocity": "speed of the cue's tip",
+    "approach_direction": "direction of the cue's tip",
+    "lift": "largest apparent growth",
+}
 HIDDEN = (*TEXT_COLUMNS, "impact", "unit")
 
 
@@ -18,14 +23,14 @@ def numbers_of(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     >>> list(numbers_of({"approach_velocity": -1.687, "approach_velocity_sd": 0.0142, "residual": 2e-5}))
     [('approach velocity', '-1.687 ± 0.014 m/s'), ('residual', '0.02 mm')]
     """
-    length = row.get("unit") or "m"
+    length, words = row.get("unit") or "m", WORDS if row.get("kind") == "shot" else {}
     for name, value in row.items():
         if name in HIDDEN or name.endswith("_sd") or _is_detail(name) or not isinstance(value, (int, float)):
             continue
         unit, factor = _unit(name, length)
         sd = row.get(f"{name}_sd") or 0.0
         number = rounded(value * factor, sd * factor) if sd > 0 else f"{value * factor:.3g}"
-        yield name.replace("_", " "), f"{number} {unit}".rstrip()
+        yield words.get(name, name.replace("_", " ")), f"{number} {unit}".rstrip()
 
 
 def _is_detail(name: str) -> bool:
@@ -35,6 +40,10 @@ def _is_detail(name: str) -> bool:
 
 def _unit(name: str, length: str) -> tuple[str, float]:
     """Give the unit in which a column is shown, and the factor to it."""
+    if name.endswith("_correlation"):
+        return "", 1.0
+    if name == "lift":
+        return "%", 100.0
     if name.startswith("angular_velocity"):
         return "rad/s", 1.0
     if "velocity" in name or name.startswith(("striker_", "struck_", "sideways_")):
