@@ -26,7 +26,8 @@ LINGERING = 16  # frames for which a place that changed is kept: a ball may pass
 BRIEFLY = 4  # ... once the picture shows what most frames do:
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball;
 CLOSELY = 4  # ... once the picture shows what is beyond it
-NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from
+NEW_PICTURE_SHARE = 0.6  # a frame that changed more than this becomes the picture that others differ from,
+# unless one has just become it: frames are kept whole until a slow ball has moved by more than goes unnoticed
 AT_ONCE = 128  # rows
 SAMPLES = 11  # pictures that tell what most of them show; of an odd number one is in the middle
 
@@ -74,6 +75,7 @@ class Keeper:
     overflown: bool = False
     _bytes: int = 0
     _much: int = field(default_factory=lambda: MUCH_BYTES)
+    _newest: int = -LINGERING - 1  # frame that became the last of the pictures
     _lasting: int = LINGERING
     _beside: int = BESIDE
     _noise: float = np.nan
@@ -92,8 +94,11 @@ class Keeper:
         if self._reference is not None:
             gain = gain_between(coarse[0], self._reference[0])
             windows = self._changed(coarse, self._reference, gain, seen[0].shape)
+        if windows is None and len(self.frames) <= self._newest + LINGERING:
+            windows, gain = (everywhere(seen[0].shape),), 1.0
         if windows is None:
-            self._reference, self._lingering = coarse, None
+            self._newest = len(self.frames) if self.pictures else self._newest
+            self._reference = coarse
             self.pictures.append(copied(seen))
             self._bytes += _size(seen)
             windows, gain = (), 1.0
