@@ -1,17 +1,20 @@
 """What is kept of a recording shows every frame again, and a long one is read once."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from clips import Clip
 
 from tracking import kept, video
+from tracking.encode import write_video
 from tracking.kept import Keeper, shown
 from tracking.planes import Planes
 from tracking.render import Look, render_ball
 from tracking.track import track_balls
-from tracking.video import open_recording
+from tracking.video import open_recording, read_frames
 
 WALL, HEIGHT, WIDTH = 110.0, 240, 400
 HELD, FALLING = 12, 180
@@ -114,3 +117,22 @@ def test_a_recording_that_cannot_be_kept_is_decoded_twice_and_tracked_the_same(
     frames, one, other = np.intersect1d(usual.frame, found.frame, return_indices=True)
     assert len(frames) > 0.97 * len(usual.frame)
     assert np.abs(usual.y[one] - found.y[other]).max() < 0.1
+
+
+@pytest.mark.parametrize(
+    "fade", [[0.0], [1.1], list(np.arange(1, 8) / 8)], ids=["black", "bright", "fading in"]
+)
+def test_a_film_that_begins_darker_or_brighter_is_tracked_the_same(
+    fade: list[float], plate_clip: Clip, tmp_path: Path
+) -> None:
+    (usual,) = track_balls(open_recording(plate_clip.path))
+    shares = fade + [1.0] * plate_clip.truth["frames"]
+    frames = [frame.image for frame in read_frames(open_recording(plate_clip.path))]
+    dimmed = [cv2.convertScaleAbs(image, alpha=share) for image, share in zip(frames, shares, strict=False)]
+    write_video(tmp_path / "fade.mp4", dimmed, plate_clip.scene.camera.fps)
+    (found,) = track_balls(open_recording(tmp_path / "fade.mp4"))
+    _, one, other = np.intersect1d(usual.frame, found.frame, return_indices=True)
+    assert len(one) > 0.9 * len(usual.frame)
+    apart = np.hypot(usual.x[one] - found.x[other], usual.y[one] - found.y[other])
+    assert np.median(apart) < 0.1
+    assert apart.max() < 1.0

@@ -19,7 +19,9 @@ SAME_GAIN = 0.004  # brightness that differs by less than this share is left alo
 LEAST_GAIN, MOST_GAIN = 0.5, 2.0
 AHEAD = 4  # rows that are asked for before they are looked at
 LINE = 64  # bytes that memory gives at a time
-SPARSE = 12  # coarse pixels from one that tells of flicker to the next
+SPARSE = 12  # coarse pixels from one that tells of flicker or noise to the next
+MOVING = 10.0  # levels: what differs by more moves
+TO_SD = float(np.sqrt(np.pi / 2))  # standard deviation over mean absolute one
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
@@ -92,6 +94,17 @@ def gain_between(image: Image, reference: Image) -> float:
             ratios[number] = (image[row, column] + 1) / (reference[row, column] + 1)
             number += 1
     return min(max(upper_median(ratios), LEAST_GAIN), MOST_GAIN)
+
+
+@compiled
+def noise_between(image: Image, reference: Image, gain: float) -> float:
+    """Tell by what standard deviation few pixels of two pictures differ; what moves counts little."""
+    summed, number = 0.0, 0
+    for row in range(0, image.shape[0], SPARSE):
+        for column in range(0, image.shape[1], SPARSE):
+            summed += min(abs(image[row, column] - gain * reference[row, column]), MOVING)
+            number += 1
+    return TO_SD * summed / number
 
 
 @compiled

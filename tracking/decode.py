@@ -16,7 +16,7 @@ from tracking.planes import Image, Planes
 
 PLANAR = ("yuv420p", "yuvj420p", "yuv422p", "yuvj422p", "yuv444p", "yuvj444p")
 OTHERWISE = "yuv444p"
-MOST_THREADS = 6  # each of them holds several pictures in memory
+MOST_THREADS = 4  # each of them holds several pictures in memory
 ARCHIVES = (
     b"PK\x03\x04",
     b"\x1f\x8b",

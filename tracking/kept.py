@@ -10,18 +10,26 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from tracking.boxes import boxes
-from tracking.coarse import COARSE, brightened, coarsely, gain_between, largest_change, mark_changes
+from tracking.coarse import (
+    COARSE,
+    brightened,
+    coarsely,
+    gain_between,
+    largest_change,
+    mark_changes,
+    noise_between,
+)
 from tracking.median import median_of
 from tracking.planes import Image, Planes, Window, copied, cut, everywhere
 
 MOST_BYTES = 100_000_000  # all of the program then takes less than 500 MB, up to 1080p
 MUCH_BYTES = 30_000_000  # from here on frames are compared with what most of them show
 LEAST_CHANGE = 5.0  # grey levels: compression changes as much where nothing moves
-NOISE_FACTOR = 5.0  # a change this many times the noise is one
+NOISE_FACTOR = 5.0  # a change this many times the noise, the least between two frames so far, is one
+NOISIEST = 3.0  # levels: averaged, no camera is worse; a lamp that comes on is no noise
 LINGERING = 16  # frames for which a place that changed is kept: a ball may pass where the picture shows one
 BRIEFLY = 4  # ... once the picture shows what most frames do:
 BESIDE = 7  # coarse pixels kept around a change: a rim is searched beyond the ball;
@@ -78,7 +86,7 @@ class Keeper:
     _newest: int = -LINGERING - 1  # frame that became the last of the pictures
     _lasting: int = LINGERING
     _beside: int = BESIDE
-    _noise: float = np.nan
+    _noise: float = NOISIEST
     _reference: Planes | None = None
     _before: Planes | None = None
     _lingering: Image | None = None
@@ -135,8 +143,7 @@ class Keeper:
         self, coarse: Planes, reference: Planes, gain: float, shape: tuple[int, ...]
     ) -> tuple[Window, ...] | None:
         """Windows around all that differs from the last picture; None if that is nearly everything."""
-        if np.isnan(self._noise):
-            self._noise = 1.2533 * float(np.minimum(cv2.absdiff(coarse[0], reference[0]), 10).mean())
+        self._noise = min(self._noise, noise_between(coarse[0], reference[0], gain))
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])
