@@ -44,7 +44,7 @@ MEMORY = """
 import resource, sys
 from pathlib import Path
 clip = Path(sys.argv[1])
-exec(sys.argv[2])
+{work}
 most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 status = Path("/proc/self/status")
 if status.exists():  # on Linux `most` includes the process that started this one
@@ -87,7 +87,7 @@ def memory() -> Iterator[Measured]:
             write_recording(replace(PICTURES[picture], after=after), clip)
             for done, work in WORKS.items():
                 run = subprocess.run(
-                    [sys.executable, "-c", MEMORY, str(clip), work],
+                    [sys.executable, "-c", MEMORY.format(work=work), str(clip)],
                     cwd=Path(__file__).resolve().parents[1],
                     capture_output=True,
                     text=True,

@@ -26,11 +26,12 @@ def headline(kind: str, width: int) -> str:
 
 def columns_of(kind: str) -> tuple[Sequence[str], Callable[[Row], list[str]]]:
     """Give the headings of one kind's columns, and what writes a row's cells."""
-    if kind == "shot":
-        return SHOT_HEADS, _shot_columns
-    if kind == "pair":
-        return PAIR_HEADS, _pair_columns
-    return (DROP_HEADS, _drop_columns) if kind == "two" else (BOUNCE_HEADS, _bounce_columns)
+    others = {
+        "two": (DROP_HEADS, _drop_columns),
+        "shot": (SHOT_HEADS, _shot_columns),
+        "pair": (PAIR_HEADS, _pair_columns),
+    }
+    return others.get(kind, (BOUNCE_HEADS, _bounce_columns))
 
 
 def name_width(names: Iterable[str]) -> int:

@@ -1,6 +1,6 @@
 """Drops on the plate, on a held ball, on a ball at rest: recording → rows of the trial table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -167,7 +167,7 @@ def _scenes(
             since=start,
             lines=(
                 f"impact {number} of {len(impacts)} at {impact.time:.4f} s",
-                *_lines(impact, measured.trial.kind),
+                *_lines(impact, measured.rows[number - 1]),
             ),
             curves=tuple(to_pixels(scale, fit.path[:, 1:]) for fit in fits[number - 1]),
             moments=(_moment(impact, upper, scale, number),),
@@ -176,12 +176,14 @@ def _scenes(
     )
 
 
-def _lines(impact: Impact, kind: str) -> list[str]:
-    """Velocities in words, and restitution on what does not move."""
+def _lines(impact: Impact, row: Mapping[str, Any]) -> list[str]:
+    """Velocities in words, and restitution where the row has one."""
     names = ("before", "after", "lower ball after")
     told = zip(names, impact.velocities, impact.sd, strict=True)
     lines = [f"{name} {value:.4f} +/- {sd:.4f} m/s" for name, value, sd in told if np.isfinite(value)]
-    return lines if kind == "two" else [*lines, "restitution {:.3f} +/- {:.3f}".format(*_restitution(impact))]
+    if "restitution" in row:
+        lines.append(f"restitution {row['restitution']:.3f} +/- {row['restitution_sd']:.3f}")
+    return lines
 
 
 def _moment(impact: Impact, upper: Track, scale: Scale, number: int) -> Moment:

@@ -101,8 +101,6 @@ def process(
         limits=Limits(timeout=timeout, memory=memory),
         cluster=cluster,
     )
-    if not quiet:
-        announce_compilation(TRACKING, "what tracks balls")
     code = measure(trials, batch, quiet=quiet, as_json=as_json)
     leave_report(out, "process", quiet=quiet)
     if code:
@@ -114,6 +112,8 @@ def measure(trials: "Sequence[Trial]", batch: "Batch", *, quiet: bool, as_json: 
     from experiments import console
     from experiments.batch import in_order, process_all
 
+    if not quiet:
+        announce_compilation(TRACKING, "what tracks balls")
     records: list[Record] = []
     said: Counter[str] = Counter()
     total, width, headline = len(trials), console.name_width(trial.name for trial in trials), ""

@@ -68,6 +68,21 @@ def test_once_much_is_kept_frames_are_compared_with_what_most_of_them_show(
         assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
 
 
+def test_noise_is_no_change_even_once_frames_are_compared_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(1)
+
+    def noisy(x: float) -> Planes:
+        brightness, *colour = scene(x)
+        levels = brightness + rng.normal(0, 5, brightness.shape)
+        return levels.clip(0, 255).astype(np.uint8), colour[0], colour[1]
+
+    frames = [noisy(x) for x in np.linspace(20.0, 380.0, FALLING)]
+    monkeypatch.setattr(kept, "MUCH_BYTES", 400_000)
+    keeper = keep(frames)
+    assert len(keeper.pictures) == 1
+    assert size(keeper) < 0.15 * FALLING * frames[0][0].size
+
+
 def test_a_slow_ball_is_shown_where_it_is_after_nearly_everything_changed() -> None:
     most = slice(0, HEIGHT), slice(110, WIDTH)
     frames = [scene(x, most) if x > 60.0 else scene(x) for x in 50.0 + 0.4 * np.arange(60)]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tracking.circle import Circle, find_rims, fit_circle, fit_circles, locate_circle
+from tracking.circle import Circle, find_rims, fit_circle, fit_circles, locate_circle, places_of
 from tracking.limb import Limb, sharpen
 from tracking.patch import Patches, laid_out, part_of
 from tracking.planes import Image
@@ -33,7 +33,7 @@ def guesses(places: list[tuple[float, float]]) -> list[tuple[float, float, float
 
 
 def found(circles: list[Circle | None]) -> np.ndarray:
-    return np.array([(circle.x, circle.y, circle.radius) for circle in circles if circle is not None])
+    return places_of([circle for circle in circles if circle is not None])
 
 
 def test_many_pictures_at_once_show_what_each_shows_alone() -> None:

@@ -83,7 +83,7 @@ class Keeper:
     overflown: bool = False
     _bytes: int = 0
     _much: int = field(default_factory=lambda: MUCH_BYTES)
-    _newest: int = -LINGERING - 1  # frame that became the last of the pictures
+    _newest: int = 0  # frame that became the last of the pictures
     _lasting: int = LINGERING
     _beside: int = BESIDE
     _noise: float = NOISIEST
@@ -101,12 +101,12 @@ class Keeper:
         gain, windows = 1.0, None
         if self._reference is not None:
             gain = gain_between(coarse[0], self._reference[0])
+            self._noise = min(self._noise, noise_between(coarse[0], self._reference[0], gain))
             windows = self._changed(coarse, self._reference, gain, seen[0].shape)
-        if windows is None and len(self.frames) <= self._newest + LINGERING:
+        if windows is None and len(self.pictures) > 1 and len(self.frames) <= self._newest + LINGERING:
             windows, gain = (everywhere(seen[0].shape),), 1.0
         if windows is None:
-            self._newest = len(self.frames) if self.pictures else self._newest
-            self._reference = coarse
+            self._reference, self._newest = coarse, len(self.frames)
             self.pictures.append(copied(seen))
             self._bytes += _size(seen)
             windows, gain = (), 1.0
@@ -143,7 +143,6 @@ class Keeper:
         self, coarse: Planes, reference: Planes, gain: float, shape: tuple[int, ...]
     ) -> tuple[Window, ...] | None:
         """Windows around all that differs from the last picture; None if that is nearly everything."""
-        self._noise = min(self._noise, noise_between(coarse[0], reference[0], gain))
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])

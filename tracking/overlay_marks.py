@@ -80,10 +80,10 @@ def resized(image: Image, brush: Brush) -> Image:
     method = cv2.INTER_NEAREST if brush.zoom >= 1 else cv2.INTER_LINEAR
     copy = cv2.resize(image, (columns, rows), interpolation=method)
     even = cv2.copyMakeBorder(copy, 0, rows % 2, 0, columns % 2, cv2.BORDER_REPLICATE)
-    beside = max(0, LEAST_SIDE - even.shape[1])
-    return np.asarray(
-        cv2.copyMakeBorder(even, 0, 0, 0, beside, cv2.BORDER_CONSTANT, value=DARK), dtype=np.uint8
-    )
+    if even.shape[1] < LEAST_SIDE:
+        beside = LEAST_SIDE - even.shape[1]
+        even = cv2.copyMakeBorder(even, 0, 0, 0, beside, cv2.BORDER_CONSTANT, value=DARK)
+    return np.asarray(even, dtype=np.uint8)
 
 
 def draw_circle(picture: Image, centre: FloatArray, radius: float, ball: int, brush: Brush) -> None:
