@@ -1,6 +1,6 @@
 """What is kept of a recording shows every frame again, and a long one is read once."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
@@ -134,17 +134,23 @@ def test_a_recording_that_cannot_be_kept_is_decoded_twice_and_tracked_the_same(
     assert np.abs(usual.y[one] - found.y[other]).max() < 0.1
 
 
-@pytest.mark.parametrize(
-    "fade", [[0.0], [1.1], list(np.arange(1, 8) / 8)], ids=["black", "bright", "fading in"]
-)
-def test_a_film_that_begins_darker_or_brighter_is_tracked_the_same(
-    fade: list[float], plate_clip: Clip, tmp_path: Path
+LIGHTS: dict[str, Callable[[int], float]] = {
+    "black at first": lambda frame: float(frame > 0),
+    "bright at first": lambda frame: 1.1 if frame == 0 else 1.0,
+    "fading in": lambda frame: min((frame + 1) / 8, 1.0),
+    "lamp on": lambda frame: 1.4 if frame >= 60 else 1.0,
+    "lamp off": lambda frame: 0.6 if frame >= 60 else 1.0,
+}
+
+
+@pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS.keys())
+def test_a_film_whose_light_changes_is_tracked_the_same(
+    light: Callable[[int], float], plate_clip: Clip, tmp_path: Path
 ) -> None:
     (usual,) = track_balls(open_recording(plate_clip.path))
-    shares = fade + [1.0] * plate_clip.truth["frames"]
-    frames = [frame.image for frame in read_frames(open_recording(plate_clip.path))]
-    dimmed = [cv2.convertScaleAbs(image, alpha=share) for image, share in zip(frames, shares, strict=False)]
-    write_video(tmp_path / "fade.mp4", dimmed, plate_clip.scene.camera.fps)
+    frames = read_frames(open_recording(plate_clip.path))
+    lit = [cv2.convertScaleAbs(frame.image, alpha=light(frame.index)) for frame in frames]
+    write_video(tmp_path / "fade.mp4", lit, plate_clip.scene.camera.fps)
     (found,) = track_balls(open_recording(tmp_path / "fade.mp4"))
     _, one, other = np.intersect1d(usual.frame, found.frame, return_indices=True)
     assert len(one) > 0.9 * len(usual.frame)

@@ -16,6 +16,7 @@ IntArray = npt.NDArray[np.int64]
 COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
+NO_COLOUR = 128  # level of both colours in grey
 LEAST_GAIN, MOST_GAIN = 0.5, 2.0
 AHEAD = 4  # rows that are asked for before they are looked at
 LINE = 64  # bytes that memory gives at a time
@@ -23,7 +24,6 @@ SPARSE = 12  # coarse pixels from one that tells of flicker or noise to the next
 MOVING = 10.0  # levels: what differs by more moves
 TO_SD = float(np.sqrt(np.pi / 2))  # standard deviation over mean absolute one
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
-ROUNDING, BRIGHTEST = np.array((0.5, 255), dtype=np.float32)
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
@@ -77,11 +77,21 @@ def _averaged(few: Image) -> Image:
     return averaged
 
 
-def brightened(image: Image, gain: float) -> Image:
-    """Make a picture brighter or darker, unless hardly."""
+def brightened(planes: Planes, gain: float) -> Planes:
+    """Show planes as another exposure would, brightness and colour, unless it is hardly another."""
     if abs(gain - 1) < SAME_GAIN:
-        return image
-    return np.asarray(cv2.convertScaleAbs(image, alpha=gain), dtype=np.uint8)
+        return planes
+    brightness, blue, red = (
+        np.asarray(cv2.LUT(plane, _exposed(gain, none)), dtype=np.uint8)
+        for plane, none in zip(planes, (0, NO_COLOUR, NO_COLOUR), strict=True)
+    )
+    return brightness, blue, red
+
+
+def _exposed(gain: float, none: int) -> Image:
+    """Level under another exposure of each of the 256; one of them is that of no light or no colour."""
+    levels = np.rint((np.arange(256) - none) * gain + none)
+    return np.asarray(np.clip(levels, 0, 255), dtype=np.uint8)
 
 
 @compiled
@@ -109,42 +119,24 @@ def noise_between(image: Image, reference: Image, gain: float) -> float:
 
 @compiled
 def mark_changes(
-    coarse: Planes,
-    reference: Planes,
-    change: tuple[float, float],
-    marks: Image,
-    lasting: int,
-    corner: tuple[int, int],
+    coarse: Planes, reference: Planes, least: float, marks: Image, lasting: int, corner: tuple[int, int]
 ) -> None:
     """Mark where coarse looks differ; marks that are there already count down.
 
     Parameters
     ----------
     coarse, reference : planes
-    change : two floats
-        How much brighter than the reference the whole picture is, and the least difference, grey levels.
+    least : float
+        Least difference that is a change, grey levels.
     marks : (height, width) array
         Altered: `lasting` where brightness or colour differs, one less than before elsewhere.
     lasting : int
     corner : two int
         Even row and column of the reference at which the other look begins.
     """
-    gain, least = change
-    _mark(coarse[0], _dimmed(reference[0], gain), np.uint8(least), marks, np.uint8(lasting), corner)
+    _mark(coarse[0], reference[0], np.uint8(least), marks, np.uint8(lasting), corner)
     level = np.uint8(least / COLOUR_SHARE)
     _mark_coloured(coarse, reference, level, marks, np.uint8(lasting), (corner[0] // 2, corner[1] // 2))
-
-
-@part
-def _dimmed(levels: Image, gain: float) -> Image:
-    """Make a coarse look brighter or darker, unless hardly."""
-    if abs(gain - 1) < SAME_GAIN:
-        return levels
-    dimmed, times = np.empty_like(levels), np.float32(gain)
-    for row in range(len(levels)):
-        for column in range(levels.shape[1]):
-            dimmed[row, column] = np.uint8(min(np.float32(levels[row, column]) * times + ROUNDING, BRIGHTEST))
-    return dimmed
 
 
 @part

@@ -1,6 +1,6 @@
 """One image → where something ball-like differs from the background."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,24 +45,20 @@ def make_background(recording: Recording) -> Background:
     for window, usual in medians:
         box = 0, usual[0].shape[0], 0, usual[0].shape[1]
         for look in looks[::3]:
-            apart = difference(copied(cut(look, window)), usual, 1.0, box, (0, 0))
+            apart = difference(copied(cut(look, window)), usual, box, (0, 0))
             deviations.append(float(np.median(apart[::3, ::3])))
     noise = 1.4826 * float(np.median(deviations or [0.0]))
     return Background(planes=whole, coarse=coarsely(whole), noise=noise)
 
 
 def _alike(recording: Recording) -> list[Planes]:
-    """Pictures spread over the recording, the camera's drift and flicker undone."""
-    looks = dict(recording.looks)
+    """Pictures spread over the recording, the camera's drift and all changes of brightness undone."""
+    looks = list(recording.looks.values())
     if recording.drift is not None:
-        return [held_still(look, recording.drift[number]) for number, look in looks.items()]
-    if len(recording.pictures) != 1:
-        return list(looks.values())
-    first = recording.pictures[0]
-    gains = [gain_between(_few(look), _few(first)) for look in looks.values()]
-    return [
-        (brightened(look[0], 1 / gain), *look[1:]) for look, gain in zip(looks.values(), gains, strict=True)
-    ]
+        looks = [held_still(look, recording.drift[number]) for number, look in recording.looks.items()]
+    first = recording.pictures[0] if recording.pictures else looks[len(looks) // 2]
+    gains = [gain_between(_few(look), _few(first)) for look in looks]
+    return [brightened(look, 1 / gain) for look, gain in zip(looks, gains, strict=True)]
 
 
 def _few(look: Planes) -> Image:
@@ -83,11 +79,17 @@ def find_blobs(view: View, background: Background) -> list[Blob]:
     The whole patch is right for a ball whose shaded side is as bright as the wall; the cut one parts a ball
     from its fainter shadow or reflection.
     """
-    parts, gain = view.changed, 1.0
+    parts = view.changed
     if parts is None:
         parts = (_whole(view),)
-        gain = gain_between(parts[0].coarse[0], background.coarse[0])
-    return [blob for part in parts for blob in _blobs_within(part, background, gain)]
+        background = _lit(background, gain_between(parts[0].coarse[0], background.coarse[0]))
+    return [blob for part in parts for blob in _blobs_within(part, background)]
+
+
+def _lit(background: Background, gain: float) -> Background:
+    """Show a background as bright as a picture is."""
+    planes, coarse = (brightened(look, gain) for look in (background.planes, background.coarse))
+    return replace(background, planes=planes, coarse=coarse)
 
 
 def _whole(view: View) -> Part:
@@ -97,11 +99,11 @@ def _whole(view: View) -> Part:
     return Part(everywhere(view.size), planes, coarsely(planes))
 
 
-def _blobs_within(part: Part, background: Background, gain: float) -> list[Blob]:
+def _blobs_within(part: Part, background: Background) -> list[Blob]:
     """List what differs from the background in a part of a picture where a coarse look shows something."""
     (rows, columns), seen, coarse = part
     marks, few = np.zeros_like(coarse[0]), (rows.start // COARSE, columns.start // COARSE)
-    mark_changes(coarse, background.coarse, (gain, COARSE_SHARE * background.threshold), marks, 1, few)
+    mark_changes(coarse, background.coarse, COARSE_SHARE * background.threshold, marks, 1, few)
     places = boxes(marks, BESIDE, seen[0].shape)
     if not places:
         return []
@@ -109,7 +111,7 @@ def _blobs_within(part: Part, background: Background, gain: float) -> list[Blob]
     whole = Whole(background.planes[0].shape, seen, base, (columns.start, rows.start))
     for down, right in places:
         box = down.start, down.stop, right.start, right.stop
-        apart = difference(seen, background.planes, gain, box, (rows.start, columns.start))
+        apart = difference(seen, background.planes, box, (rows.start, columns.start))
         corner = columns.start + right.start, rows.start + down.start
         blobs += blobs_in(apart, background.threshold, whole, corner)
     return blobs

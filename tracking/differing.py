@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from tracking.coarse import SAME_GAIN
 from tracking.kernel import compiled, part
 from tracking.planes import Image, Planes
 
-BRIGHTEST, WIDEST = np.float32(255), np.uint16(255)
+WIDEST = np.uint16(255)
 ONE, THREE, FOUR = np.array((1, 3, 4), dtype=np.uint16)  # of half precision, or all would be double
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
 MARKED = np.uint8(1)
@@ -15,15 +14,13 @@ GAP = 2  # pixels on each side over which a mask is closed
 
 @compiled
 def difference(
-    seen: Planes, background: Planes, gain: float, box: tuple[int, int, int, int], corner: tuple[int, int]
+    seen: Planes, background: Planes, box: tuple[int, int, int, int], corner: tuple[int, int]
 ) -> Image:
     """Find the largest difference over the planes in a box, averaged over three rows and columns.
 
     Parameters
     ----------
     seen, background : planes
-    gain : float
-        How much brighter than the background the picture is.
     box : four int
         First and last row, first and last column; the first ones even, the last ones not in it.
     corner : two int
@@ -31,30 +28,17 @@ def difference(
     """
     top, bottom, left, right = box
     finer = -(-seen[0].shape[0] // len(seen[1])), -(-seen[0].shape[1] // seen[1].shape[1])
-    apart, dim = (
-        np.empty((bottom - top, right - left), dtype=np.uint8),
-        np.empty(right - left, dtype=np.uint8),
-    )
+    apart = np.empty((bottom - top, right - left), dtype=np.uint8)
     coloured = np.empty(finer[1] * (-(-right // finer[1]) - left // finer[1]), dtype=np.uint8)
     for row in range(top, bottom):
         if (row - top) % finer[0] == 0:
             _colour(seen, background, (row // finer[0], left // finer[1]), finer, corner, coloured)
         own, one = apart[row - top], seen[0][row, left:right]
         other = background[0][corner[0] + row, corner[1] + left : corner[1] + right]
-        if abs(gain - 1) >= SAME_GAIN:
-            _brighten(other, np.float32(gain), dim)
-            other = dim
         for column in range(len(own)):
             least, most = min(one[column], other[column]), max(one[column], other[column])
             own[column] = max(np.uint8(most - least), coloured[column])
     return _averaged(apart)
-
-
-@part
-def _brighten(line: Image, gain: np.float32, brighter: Image) -> None:
-    """Make a row brighter or darker."""
-    for column in range(len(line)):
-        brighter[column] = np.uint8(min(np.rint(np.float32(line[column]) * gain), BRIGHTEST))
 
 
 @part

@@ -146,7 +146,8 @@ class Keeper:
         least = max(LEAST_CHANGE, NOISE_FACTOR * self._noise)
         if self._lingering is None:
             self._lingering = np.zeros_like(coarse[0])
-        mark_changes(coarse, reference, (gain, least), self._lingering, self._lasting, (0, 0))
+        lit = brightened(reference, gain)
+        mark_changes(coarse, lit, least, self._lingering, self._lasting, (0, 0))
         windows = boxes(self._lingering, self._beside, shape)
         kept = sum((rows.stop - rows.start) * (columns.stop - columns.start) for rows, columns in windows)
         return None if kept > NEW_PICTURE_SHARE * shape[0] * shape[1] else windows
@@ -212,9 +213,8 @@ def _usual(picture: Planes, frames: Sequence[Kept]) -> Planes:
 
 def _part(planes: Planes, coarse: Planes, window: Window, gain: float = 1.0) -> Part:
     """Copy a part of a picture, and of the look at it, made brighter or darker."""
-    brightness, blue, red = copied(planes)
     few = copied(cut(coarse, _coarsely(window)))
-    return Part(window, (brightened(brightness, gain), blue, red), (brightened(few[0], gain), *few[1:]))
+    return Part(window, brightened(copied(planes), gain), brightened(few, gain))
 
 
 def _coarsely(window: Window) -> Window:
