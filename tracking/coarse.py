@@ -3,7 +3,6 @@
 Most pictures show little that is new. Sixteen times fewer pixels tell where to look at all of them.
 """
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -16,7 +15,6 @@ IntArray = npt.NDArray[np.int64]
 COARSE = 4  # pixels from one that is looked at to the next
 COLOUR_SHARE = 0.6  # compression rounds colour more than brightness
 SAME_GAIN = 0.004  # brightness that differs by less than this share is left alone
-NO_COLOUR = 128  # level of both colours in grey
 LEAST_GAIN, MOST_GAIN = 0.5, 2.0
 AHEAD = 4  # rows that are asked for before they are looked at
 LINE = 64  # bytes that memory gives at a time
@@ -24,6 +22,7 @@ SPARSE = 12  # coarse pixels from one that tells of flicker or noise to the next
 MOVING = 10.0  # levels: what differs by more moves
 TO_SD = float(np.sqrt(np.pi / 2))  # standard deviation over mean absolute one
 NINTH, SIXTEEN = np.array((7282, 16), dtype=np.uint32)  # a ninth of two to the sixteenth
+ROUNDING, NO_COLOUR, DARKEST, BRIGHTEST = np.array((0.5, 128, 0, 255), dtype=np.float32)
 CHANGED_RANK = 8  # coarse pixels that must have changed by so much: one may be noise
 
 
@@ -79,19 +78,29 @@ def _averaged(few: Image) -> Image:
 
 def brightened(planes: Planes, gain: float) -> Planes:
     """Show planes as another exposure would, brightness and colour, unless it is hardly another."""
-    if abs(gain - 1) < SAME_GAIN:
-        return planes
-    brightness, blue, red = (
-        np.asarray(cv2.LUT(plane, _exposed(gain, none)), dtype=np.uint8)
-        for plane, none in zip(planes, (0, NO_COLOUR, NO_COLOUR), strict=True)
+    return planes if abs(gain - 1) < SAME_GAIN else _exposed(planes, gain)
+
+
+@compiled
+def _exposed(planes: Planes, gain: float) -> Planes:
+    """Scale brightness, and by how much colours differ from grey."""
+    times = np.float32(gain)
+    return (
+        _scaled(planes[0], times, ROUNDING),
+        _scaled(planes[1], times, ROUNDING + NO_COLOUR * (np.float32(1) - times)),
+        _scaled(planes[2], times, ROUNDING + NO_COLOUR * (np.float32(1) - times)),
     )
-    return brightness, blue, red
 
 
-def _exposed(gain: float, none: int) -> Image:
-    """Level under another exposure of each of the 256; one of them is that of no light or no colour."""
-    levels = np.rint((np.arange(256) - none) * gain + none)
-    return np.asarray(np.clip(levels, 0, 255), dtype=np.uint8)
+@part
+def _scaled(plane: Image, times: np.float32, more: np.float32) -> Image:
+    """Multiply all levels and add to them."""
+    scaled = np.empty_like(plane)
+    for row in range(len(plane)):
+        for column in range(plane.shape[1]):
+            level = np.float32(plane[row, column]) * times + more
+            scaled[row, column] = np.uint8(min(max(level, DARKEST), BRIGHTEST))
+    return scaled
 
 
 @compiled
