@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from clips import Clip
 
-from tracking import kept, video
+from tracking import keeper as keeping
+from tracking import video
 from tracking.encode import write_video
-from tracking.kept import Keeper, shown
+from tracking.keeper import Keeper
+from tracking.kept import shown
 from tracking.planes import Planes
 from tracking.render import Look, render_ball
 from tracking.track import track_balls
@@ -60,12 +62,12 @@ def test_once_much_is_kept_frames_are_compared_with_what_most_of_them_show(
     places = np.linspace(20.0, 380.0, FALLING)
     frames = [scene(20.0, HAND)] * HELD + [scene(x) for x in places]
     unsettled = keep(frames)
-    monkeypatch.setattr(kept, "MUCH_BYTES", size(unsettled) // 3)
+    monkeypatch.setattr(keeping, "MUCH_BYTES", size(unsettled) // 3)
     settled = keep(frames)
     assert size(settled) < size(unsettled) / 2
     np.testing.assert_array_equal(settled.pictures[0][0][:150], WALL)  # no hand
     for (brightness, *_), seen in zip(frames, again(settled), strict=True):
-        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+        assert np.abs(brightness.astype(int) - seen).max() <= keeping.LEAST_CHANGE
 
 
 def test_noise_is_no_change_even_once_frames_are_compared_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +79,7 @@ def test_noise_is_no_change_even_once_frames_are_compared_anew(monkeypatch: pyte
         return levels.clip(0, 255).astype(np.uint8), colour[0], colour[1]
 
     frames = [noisy(x) for x in np.linspace(20.0, 380.0, FALLING)]
-    monkeypatch.setattr(kept, "MUCH_BYTES", 400_000)
+    monkeypatch.setattr(keeping, "MUCH_BYTES", 400_000)
     keeper = keep(frames)
     assert len(keeper.pictures) == 1
     assert size(keeper) < 0.15 * FALLING * frames[0][0].size
@@ -89,7 +91,7 @@ def test_a_slow_ball_is_shown_where_it_is_after_nearly_everything_changed() -> N
     keeper = keep(frames)
     assert len(keeper.pictures) > 1
     for (brightness, *_), seen in list(zip(frames, again(keeper), strict=True))[HELD:]:
-        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+        assert np.abs(brightness.astype(int) - seen).max() <= keeping.LEAST_CHANGE
 
 
 def test_a_frame_that_differs_nearly_everywhere_from_what_most_show_is_kept_whole(
@@ -97,19 +99,19 @@ def test_a_frame_that_differs_nearly_everywhere_from_what_most_show_is_kept_whol
 ) -> None:
     frames = [scene(20.0, HAND)] * HELD + [scene(x) for x in np.linspace(20.0, 380.0, FALLING)]
     keeper = keep(frames)
-    monkeypatch.setattr(kept, "NEW_PICTURE_SHARE", 0.2)  # less than the hand
+    monkeypatch.setattr(keeping, "NEW_PICTURE_SHARE", 0.2)  # less than the hand
     keeper._settle()
     assert len(keeper.pictures) == 1
     assert again(keeper)[0].min() == pytest.approx(40, abs=1)
     for (brightness, *_), seen in zip(frames, again(keeper), strict=True):
-        assert np.abs(brightness.astype(int) - seen).max() <= kept.LEAST_CHANGE
+        assert np.abs(brightness.astype(int) - seen).max() <= keeping.LEAST_CHANGE
 
 
 def test_a_long_recording_is_decoded_once_and_tracked_the_same(
     plate_clip: Clip, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (usual,) = track_balls(open_recording(plate_clip.path))
-    monkeypatch.setattr(kept, "MUCH_BYTES", 400_000)
+    monkeypatch.setattr(keeping, "MUCH_BYTES", 400_000)
     recording = open_recording(plate_clip.path)
     monkeypatch.delattr(video, "opened")
     (settled,) = track_balls(recording)
@@ -125,7 +127,7 @@ def test_a_recording_that_cannot_be_kept_is_decoded_twice_and_tracked_the_same(
 ) -> None:
     (usual,) = track_balls(open_recording(plate_clip.path))
     decoded, opened = [], video.opened
-    monkeypatch.setattr(kept, "MOST_BYTES", 1000)
+    monkeypatch.setattr(keeping, "MOST_BYTES", 1000)
     monkeypatch.setattr(video, "opened", lambda path: decoded.append(path) or opened(path))
     (found,) = track_balls(open_recording(plate_clip.path))
     assert len(decoded) == 2

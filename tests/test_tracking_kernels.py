@@ -23,7 +23,7 @@ from tracking.coarse import (
     mark_changes,
 )
 from tracking.differing import closed, difference
-from tracking.kept import Keeper
+from tracking.keeper import Keeper
 from tracking.median import median_of
 from tracking.patch import patch_of
 from tracking.planes import Image, Planes, colours, copied, cut

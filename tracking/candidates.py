@@ -12,7 +12,8 @@ from tracking.blob import Blob
 from tracking.boxes import boxes
 from tracking.coarse import COARSE, coarsely
 from tracking.detect import find_blobs, make_background
-from tracking.kept import BESIDE, MOST_BYTES, Kept, Part
+from tracking.keeper import BESIDE, MOST_BYTES
+from tracking.kept import Kept, Part
 from tracking.planes import Window, copied
 from tracking.recording import Recording, View
 from tracking.video import revisit

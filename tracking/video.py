@@ -17,7 +17,8 @@ from tracking import stamps
 from tracking.cadence import even_times, find_genuine
 from tracking.decode import Picture, opened
 from tracking.errors import RecordingError
-from tracking.kept import SAMPLES, Keeper
+from tracking.keeper import Keeper
+from tracking.kept import SAMPLES
 from tracking.planes import Planes
 from tracking.recording import Frame, Recording, View, held_still, moved_back
 
