@@ -73,7 +73,12 @@ def _told(seen: Look) -> tuple[FloatArray, FloatArray]:
 
 
 def sharpen(
-    images: Sequence[Image | Patch] | Patches, circles: Sequence[Circle], blur: FloatArray, limb: Limb
+    images: Sequence[Image | Patch] | Patches,
+    circles: Sequence[Circle],
+    blur: FloatArray,
+    limb: Limb,
+    *,
+    free_radius: bool = True,
 ) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims of a ball again by its limb, from circles found before; and fit circles to them.
 
@@ -84,11 +89,14 @@ def sharpen(
     blur : (n,) array
         Way of the ball up or down during the exposure, px.
     limb : as `measure_limb` gives it
+    free_radius : bool
+        Whether the circles may become larger or smaller.
     """
     patches, places = laid_out(images), places_of(circles)
     expected = expect(limb, float(np.median(places[:, 2])) if len(places) else 1.0, blur)
-    places = _nearer(patches, places, expected)
-    rims, fitted = _once(patches, places, expected)
+    if free_radius:
+        places = _nearer(patches, places, expected)
+    rims, fitted = _once(patches, places, expected, free_radius)
     for _ in range(LOOKS - 1):
         again = [
             (i, then)
@@ -99,7 +107,7 @@ def sharpen(
             break
         which = [i for i, _ in again]
         places[which] = places_of([then for _, then in again])
-        seen = _once(patches.take(which), places[which], expected.take(which))
+        seen = _once(patches.take(which), places[which], expected.take(which), free_radius)
         for i, rim, circle in zip(which, *seen, strict=True):
             rims[i], fitted[i] = rim, circle
     return rims, fitted
@@ -113,7 +121,7 @@ def _nearer(patches: Patches, places: FloatArray, expected: Expected) -> FloatAr
     if len(places) <= FEW:
         return places
     some = np.unique(np.linspace(0, len(places) - 1, FEW).astype(int)).tolist()
-    _, fitted = _once(patches.take(some), places[some], expected.take(some))
+    _, fitted = _once(patches.take(some), places[some], expected.take(some), True)
     found = [(i, then) for i, then in zip(some, fitted, strict=True) if then is not None]
     if not found:
         return places
@@ -127,10 +135,12 @@ def _moved(before: Sequence[float], then: Circle) -> bool:
     return hypot(then.x - x, then.y - y) + abs(then.radius - radius) > SETTLED_PX
 
 
-def _once(patches: Patches, places: FloatArray, expected: Expected) -> tuple[list[Rim], list[Circle | None]]:
+def _once(
+    patches: Patches, places: FloatArray, expected: Expected, free_radius: bool
+) -> tuple[list[Rim], list[Circle | None]]:
     """See the rims about the circles at some places, and fit circles to them."""
     rims = _rims(look(patches, places, expected), places)
-    return rims, fit_circles(rims, places, free_radius=True)
+    return rims, fit_circles(rims, places, free_radius=free_radius)
 
 
 def _rims(seen: Look, places: FloatArray) -> list[Rim]:

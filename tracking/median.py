@@ -1,4 +1,4 @@
-"""Compiled medians: of some numbers, and of some pictures."""
+"""Medians: of some numbers, of some pictures, and of numbers that do not count alike."""
 
 import numpy as np
 import numpy.typing as npt
@@ -59,3 +59,19 @@ def _in_order(one: Image, other: Image) -> None:
     for column in range(len(one)):
         darker, brighter = min(one[column], other[column]), max(one[column], other[column])
         one[column], other[column] = darker, brighter
+
+
+def weighted_median(values: npt.ArrayLike, weights: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Take the middle of values (..., n) of which each counts as much as its weight."""
+    values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)
+    order = np.argsort(values, axis=-1)
+    values, weights = np.take_along_axis(values, order, -1), np.take_along_axis(weights, order, -1)
+    summed = np.cumsum(weights, axis=-1)
+    below, half = summed - weights / 2, summed[..., -1:] / 2
+    after = np.argmax(below >= half, axis=-1)[..., None]
+    before = np.maximum(after - 1, 0)
+    (low, high), (least, most) = (
+        [np.take_along_axis(of, place, -1) for place in (before, after)] for of in (below, values)
+    )
+    share = np.clip(np.divide(half - low, high - low, out=np.ones_like(low), where=high > low), 0.0, 1.0)
+    return np.asarray((least + share * (most - least))[..., 0])

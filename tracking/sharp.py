@@ -20,9 +20,11 @@ def limb_of(cuttings: Cuttings, seen: Sequence[Sighting]) -> Limb:
     return measure_limb(*_looked_at(cuttings, seen)) if seen else Limb()
 
 
-def sharpened(cuttings: Cuttings, seen: Sequence[Sighting], limb: Limb) -> list[Sighting]:
+def sharpened(
+    cuttings: Cuttings, seen: Sequence[Sighting], limb: Limb, *, free_radius: bool = True
+) -> list[Sighting]:
     """See a ball by its limb wherever it was seen by its edges, which are believed where it has none."""
-    rims, circles = sharpen(*_looked_at(cuttings, seen), limb)
+    rims, circles = sharpen(*_looked_at(cuttings, seen), limb, free_radius=free_radius)
     found = []
     for before, rim, circle in zip(seen, rims, circles, strict=True):
         if circle is not None:

@@ -8,6 +8,8 @@ import numpy.typing as npt
 from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
+from tracking.median import weighted_median
+from tracking.partial import clarity, lacks, started, with_clear_radius
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
@@ -20,7 +22,7 @@ BATCH = 256  # frames at a time
 NARROW = 0.05  # radii around a circle found before, beside the margin
 WIDE = 0.15  # ... around a first guess
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
-MEMORY = 25  # sightings of which the median radius is expected
+MEMORY = 25  # sightings of which the clearest tell the radius that is expected
 SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
 REFITS = 3
 SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
@@ -49,7 +51,9 @@ def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
 
 def _sharp_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float, limb: Limb) -> list[Sighting]:
     """See the ball in a batch by its edges, and then by its limb."""
-    return sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
+    seen = sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
+    lacking = {frame for frame in cuttings.frames if lacks(path[frame], radius)}
+    return with_clear_radius(cuttings, seen, lacking, limb)
 
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
@@ -60,8 +64,9 @@ def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting
 def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See the ball in a batch; again with the radius of the frames around where that is another."""
     blobs = [path[frame] for frame in cuttings.frames]
-    guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
     blur = np.array([blob.blur for blob in blobs])
+    guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
+    guesses = started(cuttings, guesses, blur, [i for i, blob in enumerate(blobs) if lacks(blob, radius)])
     found = sight_once(cuttings, guesses, blur)
     for _ in range(REFITS):
         around = _radius_around(found, radius)
@@ -76,16 +81,19 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
 
 
 def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArray:
-    """Median radius in the sharp frames around each one: a ball that comes nearer grows."""
+    """Radius of the clearest of the sharp frames around each one: a ball that comes nearer grows."""
     seen = {
-        i: sighting.circle.radius
+        i: sighting.circle
         for i, sighting in enumerate(found)
         if sighting is not None and sighting.blur < SMEARED * radius
     }
     if not seen:
         return np.full(len(found), radius)
-    padded = np.pad(list(seen.values()), MEMORY // 2, mode="edge")
-    around = np.median(np.lib.stride_tricks.sliding_window_view(padded, MEMORY), axis=1)
+    circles = list(seen.values())
+    padded = np.pad(
+        [[circle.radius for circle in circles], clarity(circles)], ((0, 0), (MEMORY // 2,) * 2), mode="edge"
+    )
+    around = weighted_median(*np.lib.stride_tricks.sliding_window_view(padded, MEMORY, axis=1))
     return np.asarray(np.interp(np.arange(len(found)), list(seen), around))
 
 

@@ -5,8 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tracking.blob import Blob
-from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
+from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles, places_of
 from tracking.consensus import agreed_circles
+from tracking.median import weighted_median
+from tracking.partial import clarity
 from tracking.patch import laid_out
 from tracking.path import sharper
 from tracking.recording import Recording, View
@@ -71,8 +73,8 @@ def measure_radius(
             min((first, *others), key=_scatter)
             for first, others in zip(circles, _settled(agreed, NARROW), strict=True)
         ]
-    radii = [circle.radius for circle in circles if circle is not None]
-    return float(np.median(radii)) if radii else guess
+    seen = [circle for circle in circles if circle is not None]
+    return float(weighted_median(places_of(seen)[:, 2], clarity(seen))) if seen else guess
 
 
 def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting, list[Guess]]:

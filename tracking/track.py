@@ -9,9 +9,11 @@ import numpy.typing as npt
 from tracking.alike import fit_alike
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
 from tracking.candidates import find_candidates
-from tracking.circle import Guess, fit_circles
+from tracking.circle import Guess, fit_circles, places_of
 from tracking.errors import RecordingError
+from tracking.median import weighted_median
 from tracking.notebook import html_table
+from tracking.partial import clarity
 from tracking.path import MISSING, best_path, first_turn, guess_radius
 from tracking.resting import sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
@@ -243,9 +245,11 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
 
 
 def _common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
-    """Take the median radius over the sharpest pictures and its standard error, px."""
+    """Take the median radius over the sharpest pictures, clear ones above all, and its standard error, px."""
     blur = np.array([s.blur / s.circle.radius for s in sightings])
     sharp = blur <= max(SHARP, float(np.quantile(blur, 0.25)))
-    radii = np.array([s.circle.radius for s in sightings])[sharp]
-    spread = 1.4826 * float(np.median(np.abs(radii - np.median(radii))))
-    return float(np.median(radii)), max(spread / np.sqrt(len(radii)), 1e-3)
+    circles = [s.circle for s, own in zip(sightings, sharp, strict=True) if own]
+    radii = places_of(circles)[:, 2]
+    radius = float(weighted_median(radii, clarity(circles)))
+    spread = 1.4826 * float(np.median(np.abs(radii - radius)))
+    return radius, max(spread / np.sqrt(len(radii)), 1e-3)

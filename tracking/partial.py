@@ -1,0 +1,104 @@
+"""A ball part of whose rim is as bright as the wall: several starts, and the radius of clear frames.
+
+The dark side of a white ball before a grey wall has no edge, and its patch ends where its shade begins. From
+the middle of such a patch rays meet that first. So the rim is sought from places around as well, and the one
+that is known best believed; and since too little of it is seen to tell how large the ball is, the radius
+comes from the frames in which it is clear.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tracking.blob import Blob
+from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circle, fit_circles, places_of
+from tracking.limb import Limb
+from tracking.median import weighted_median
+from tracking.sharp import sharpened
+from tracking.sighting import Cuttings, Sighting
+
+FloatArray = npt.NDArray[np.float64]
+
+LACKING, LACKING_PX = 0.06, 2.0  # of its width, or pixels: a patch narrower by more lacks part of the ball
+ASIDE = 0.18  # radii from the middle of a patch to the other starts
+WAYS = np.vstack((np.zeros((1, 2)), [(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4]))
+REACHES = (0.15, 0.1, 0.1, 0.05)  # radii, look after look, beside the margin
+ANOTHER = 0.1  # a circle larger or smaller by more is not the ball
+CLEARLY = -4.0  # power of how vague an outline is: few clear ones outweigh many that are not
+HUBER = 1.345
+ROUNDS = 10
+TINY = 1e-9
+
+
+def lacks(blob: Blob, radius: float) -> bool:
+    """Whether a patch is too small to be all of a ball of some radius, px."""
+    width = 2 * radius
+    return min(blob.width, blob.height - blob.blur) < width - max(LACKING * width, LACKING_PX)
+
+
+def clarity(circles: Sequence[Circle]) -> FloatArray:
+    """Weigh circles so that those whose outlines are clear decide."""
+    vague = [max(circle.vagueness / circle.radius, TINY) for circle in circles]
+    return np.array(vague) ** CLEARLY
+
+
+def started(
+    cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray, lacking: Sequence[int]
+) -> list[Guess]:
+    """Start anew where part of the ball lacks: from the clearest circle of those found from places around."""
+    anew, places = list(guesses), np.array(guesses).reshape(-1, 3)
+    many = np.repeat(np.asarray(lacking, dtype=np.int64), len(WAYS))
+    radius, smear, patches = places[many, 2], blur[many], cuttings.patches.take(many.tolist())
+    at = places[many]
+    at[:, :2] += ASIDE * radius[:, None] * np.tile(WAYS, (len(lacking), 1))
+    found: list[Circle | None] = []
+    for share in REACHES:
+        rims = find_rims(patches, at, reach=share * radius + MARGIN_PX + smear / 2, blur=smear)
+        found = fit_circles(rims, at, free_radius=share == REACHES[-1])
+        for place, circle in zip(at, found, strict=True):
+            if circle is not None:
+                place[:2] = circle.x, circle.y
+    for k, i in enumerate(lacking):
+        size = guesses[i][2]
+        alike = [
+            circle
+            for circle in found[k * len(WAYS) : (k + 1) * len(WAYS)]
+            if circle is not None and abs(circle.radius / size - 1) < ANOTHER
+        ]
+        best = min(alike, key=lambda circle: circle.vagueness, default=None)
+        anew[i] = guesses[i] if best is None else (best.x, best.y, size)
+    return anew
+
+
+def with_clear_radius(
+    cuttings: Cuttings, seen: Sequence[Sighting], lacking: Collection[int], limb: Limb
+) -> list[Sighting]:
+    """See a ball again in the frames in which part of it lacks, as large as the clear ones around tell."""
+    if not seen or not lacking:
+        return list(seen)
+    again = []
+    for sighting, radius in zip(seen, _trend(seen).tolist(), strict=True):
+        if sighting.frame in lacking:
+            guess = (sighting.circle.x, sighting.circle.y, radius)
+            circle = fit_circle(sighting.rim, guess, free_radius=False)
+            again += [] if circle is None else [replace(sighting, circle=circle)]
+    known = {sighting.frame: sighting for sighting in sharpened(cuttings, again, limb, free_radius=False)}
+    return [known.get(sighting.frame, sighting) for sighting in seen]
+
+
+def _trend(seen: Sequence[Sighting]) -> FloatArray:
+    """Fit a straight line to the radii over time: least squares by clarity, with Huber's weights."""
+    circles = [sighting.circle for sighting in seen]
+    radii, time = places_of(circles)[:, 2], np.array([sighting.time for sighting in seen])
+    design = np.column_stack((np.ones(len(seen)), (time - time.mean()) / max(np.ptp(time), TINY)))
+    clear, near = clarity(circles), np.ones(len(seen))
+    line = radii
+    for _ in range(ROUNDS):
+        root = np.sqrt(clear * near)
+        line = design @ np.linalg.lstsq(design * root[:, None], radii * root, rcond=None)[0]
+        apart = np.abs(radii - line)
+        scale = 1.4826 * float(weighted_median(apart, clear)) + TINY
+        near = 1 / np.maximum(apart / (HUBER * scale), 1.0)
+    return np.asarray(line)
