@@ -18,6 +18,7 @@ WORTH_SAYING = 0.02  # change of size along the path
 CERTAIN = 4.0  # standard deviations of it
 SURE = 5.0  # the same for a size that follows the height, as it also does where light or background change
 FEWEST_FRAMES = 20
+MOSTLY = 0.8  # of all frames must show a size: what the wall hides in some, it alters in others
 SLOW = 1.0  # radii a frame: faster balls are smeared too far to tell their size
 HUBER = 1.345
 ROUNDS = 10
@@ -70,11 +71,12 @@ def motion_in_depth(track: Track) -> Depth:
         camera that is not level. What motion blur adds to a radius is found beside it and left out.
     """
     count = len(track.time)
-    if len(track.sizes) != count or count < FEWEST_FRAMES:
+    known = np.isfinite(track.sizes) if len(track.sizes) == count else np.zeros(count, dtype=bool)
+    if known.sum() < max(FEWEST_FRAMES, MOSTLY * count):
         return Depth(size=np.ones(count))
     step = np.abs(np.gradient(track.y, track.frame))
-    slow = step < SLOW * track.radius
-    used = slow if slow.sum() >= FEWEST_FRAMES else np.ones(count, dtype=bool)
+    slow = known & (step < SLOW * track.radius)
+    used = slow if slow.sum() >= FEWEST_FRAMES else known
     blur, time, height = step / max(step.max(), TINY), _scaled(track.time), _scaled(track.y)
     design = np.column_stack((blur, np.ones(count), time, height))
     sizes = track.sizes[used] / track.radius

@@ -6,7 +6,7 @@ that is known best believed; and since too little of it is seen to tell how larg
 comes from the frames in which it is clear.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,11 +22,13 @@ from tracking.sighting import Cuttings, Sighting
 FloatArray = npt.NDArray[np.float64]
 
 LACKING, LACKING_PX = 0.06, 2.0  # of its width, or pixels: a patch narrower by more lacks part of the ball
+EXCESS, EXCESS_PX = 0.12, 4.0  # ... and one wider by more is that of a shadow or a hand as well
 ASIDE = 0.18  # radii from the middle of a patch to the other starts
 WAYS = np.vstack((np.zeros((1, 2)), [(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4]))
 REACHES = (0.15, 0.1, 0.1, 0.05)  # radii, look after look, beside the margin
 ANOTHER = 0.1  # a circle larger or smaller by more is not the ball
 CLEARLY = -4.0  # power of how vague an outline is: few clear ones outweigh many that are not
+LOST = 3.0  # times as vague as usual
 HUBER = 1.345
 ROUNDS = 10
 TINY = 1e-9
@@ -38,6 +40,12 @@ def lacks(blob: Blob, radius: float) -> bool:
     return min(blob.width, blob.height - blob.blur) < width - max(LACKING * width, LACKING_PX)
 
 
+def exceeds(blob: Blob, radius: float) -> bool:
+    """Whether a patch is too large to be nothing but a ball of some radius, px, and its way up or down."""
+    width = 2 * radius
+    return blob.width > width + max(EXCESS * width, EXCESS_PX)
+
+
 def clarity(circles: Sequence[Circle]) -> FloatArray:
     """Weigh circles so that those whose outlines are clear decide."""
     vague = [max(circle.vagueness / circle.radius, TINY) for circle in circles]
@@ -45,14 +53,14 @@ def clarity(circles: Sequence[Circle]) -> FloatArray:
 
 
 def started(
-    cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray, lacking: Sequence[int]
+    cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray, unlike: Sequence[int]
 ) -> list[Guess]:
-    """Start anew where part of the ball lacks: from the clearest circle of those found from places around."""
+    """Start anew where a patch is unlike the ball, from the clearest circle found from places around it."""
     anew, places = list(guesses), np.array(guesses).reshape(-1, 3)
-    many = np.repeat(np.asarray(lacking, dtype=np.int64), len(WAYS))
+    many = np.repeat(np.asarray(unlike, dtype=np.int64), len(WAYS))
     radius, smear, patches = places[many, 2], blur[many], cuttings.patches.take(many.tolist())
     at = places[many]
-    at[:, :2] += ASIDE * radius[:, None] * np.tile(WAYS, (len(lacking), 1))
+    at[:, :2] += ASIDE * radius[:, None] * np.tile(WAYS, (len(unlike), 1))
     found: list[Circle | None] = []
     for share in REACHES:
         rims = find_rims(patches, at, reach=share * radius + MARGIN_PX + smear / 2, blur=smear)
@@ -60,7 +68,7 @@ def started(
         for place, circle in zip(at, found, strict=True):
             if circle is not None:
                 place[:2] = circle.x, circle.y
-    for k, i in enumerate(lacking):
+    for k, i in enumerate(unlike):
         size = guesses[i][2]
         alike = [
             circle
@@ -73,19 +81,29 @@ def started(
 
 
 def with_clear_radius(
-    cuttings: Cuttings, seen: Sequence[Sighting], lacking: Collection[int], limb: Limb
+    cuttings: Cuttings, seen: Sequence[Sighting], ball: tuple[Mapping[int, Blob], float], limb: Limb
 ) -> list[Sighting]:
-    """See a ball again in the frames in which part of it lacks, as large as the clear ones around tell."""
-    if not seen or not lacking:
-        return list(seen)
-    again = []
+    """See a ball again in the frames whose patches lack part of it, as large as the clear ones around tell.
+
+    Where its patch is unlike it and its outline far from as clear as usual, it is left out. The `ball` is its
+    patches by the number of the frame, and its usual radius, px.
+    """
+    if not seen:
+        return []
+    (path, usual), again, unlike = ball, [], set()
     for sighting, radius in zip(seen, _trend(seen).tolist(), strict=True):
-        if sighting.frame in lacking:
+        blob = path[sighting.frame]
+        lacking = lacks(blob, min(radius, usual))  # one that goes away is smaller as well
+        if lacking:
             guess = (sighting.circle.x, sighting.circle.y, radius)
             circle = fit_circle(sighting.rim, guess, free_radius=False)
-            again += [] if circle is None else [replace(sighting, circle=circle)]
+            again += [] if circle is None else [replace(sighting, circle=circle, sized=False)]
+        if lacking or exceeds(blob, radius):
+            unlike.add(sighting.frame)
     known = {sighting.frame: sighting for sighting in sharpened(cuttings, again, limb, free_radius=False)}
-    return [known.get(sighting.frame, sighting) for sighting in seen]
+    all_of_it = [known.get(sighting.frame, sighting) for sighting in seen]
+    most = LOST * float(np.median([sighting.circle.vagueness for sighting in all_of_it]))
+    return [s for s in all_of_it if s.frame not in unlike or s.circle.vagueness < most]
 
 
 def _trend(seen: Sequence[Sighting]) -> FloatArray:

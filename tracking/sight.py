@@ -9,7 +9,7 @@ from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
 from tracking.median import weighted_median
-from tracking.partial import clarity, lacks, started, with_clear_radius
+from tracking.partial import clarity, exceeds, lacks, started, with_clear_radius
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
@@ -52,8 +52,7 @@ def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
 def _sharp_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float, limb: Limb) -> list[Sighting]:
     """See the ball in a batch by its edges, and then by its limb."""
     seen = sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
-    lacking = {frame for frame in cuttings.frames if lacks(path[frame], radius)}
-    return with_clear_radius(cuttings, seen, lacking, limb)
+    return with_clear_radius(cuttings, seen, (path, radius), limb)
 
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
@@ -66,7 +65,8 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
     blobs = [path[frame] for frame in cuttings.frames]
     blur = np.array([blob.blur for blob in blobs])
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
-    guesses = started(cuttings, guesses, blur, [i for i, blob in enumerate(blobs) if lacks(blob, radius)])
+    unlike = [i for i, blob in enumerate(blobs) if lacks(blob, radius) or exceeds(blob, radius)]
+    guesses = started(cuttings, guesses, blur, unlike)
     found = sight_once(cuttings, guesses, blur)
     for _ in range(REFITS):
         around = _radius_around(found, radius)

@@ -12,7 +12,8 @@ from tracking.recording import View
 class Sighting:
     """One frame's rim of one ball, the circle first fitted to it, and its way during the exposure, px.
 
-    `shading` is how far (x, y) in px the ball's limb moved the circle that its edges make.
+    `shading` is how far (x, y) in px the ball's limb moved the circle that its edges make; `sized` whether
+    the circle's radius was seen in this frame, and not told by others.
     """
 
     frame: int
@@ -21,6 +22,7 @@ class Sighting:
     circle: Circle
     blur: float
     shading: tuple[float, float] = (0.0, 0.0)
+    sized: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

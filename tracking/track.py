@@ -45,7 +45,8 @@ class Track:
     from the pictures, in metres with y up (`unit` "m") after `scale.to_metres`. So is `shared_sd`: an error
     of the centre that no rim shows, shared by frames in which the ball stands before the same background; and
     `offset_sd`, one that all frames share, which no velocity notices.
-    `sizes` (px always) is the radius seen in each frame by itself; empty where it was not asked for.
+    `sizes` (px always) is the radius seen in each frame by itself, NaN where too little of the rim was seen;
+    empty where it was not asked for.
     """
 
     ball: str
@@ -240,7 +241,7 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
         radius_sd=radius_sd,
         shared_sd=shared,
         offset_sd=float(np.hypot(SHADING_SD * shading, shared)),
-        sizes=np.array([s.circle.radius for s, _ in seen]),
+        sizes=np.array([s.circle.radius if s.sized else np.nan for s, _ in seen]),
     )
 
 
