@@ -1,5 +1,7 @@
 """Motion in depth: seen in the size of a ball, undone in its path."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,13 @@ def test_before_a_camera_that_is_not_level_a_ball_is_put_back_as_well(tilt: floa
 def test_sizes_that_go_astray_for_a_while_are_no_tilt() -> None:
     astray = 0.02 * np.convolve(np.random.default_rng(4).standard_normal(139), np.ones(20), "valid") / 4.5
     assert not motion_in_depth(seen(1 + astray)).tilts
+
+
+@pytest.mark.parametrize(("hidden", "told"), [(0.1, True), (0.4, False)])
+def test_motion_in_depth_is_told_where_most_frames_show_a_size(hidden: float, told: bool) -> None:
+    track = seen(1 - 0.08 * (TIME - 0.5))
+    sizes = np.where(np.random.default_rng(5).random(len(TIME)) < hidden, np.nan, track.sizes)
+    assert is_told(replace(track, sizes=sizes)) == told
 
 
 def test_blur_of_fast_frames_is_no_motion_in_depth() -> None:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from tracking.size import MOSTLY
 from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
@@ -18,7 +19,6 @@ WORTH_SAYING = 0.02  # change of size along the path
 CERTAIN = 4.0  # standard deviations of it
 SURE = 5.0  # the same for a size that follows the height, as it also does where light or background change
 FEWEST_FRAMES = 20
-MOSTLY = 0.8  # of all frames must show a size: what the wall hides in some, it alters in others
 SLOW = 1.0  # radii a frame: faster balls are smeared too far to tell their size
 HUBER = 1.345
 ROUNDS = 10

@@ -23,6 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LACKING, LACKING_PX = 0.06, 2.0  # of its width, or pixels: a patch narrower by more lacks part of the ball
 EXCESS, EXCESS_PX = 0.12, 4.0  # ... and one wider by more is that of a shadow or a hand as well
+SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
 ASIDE = 0.18  # radii from the middle of a patch to the other starts
 WAYS = np.vstack((np.zeros((1, 2)), [(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4]))
 REACHES = (0.15, 0.1, 0.1, 0.05)  # radii, look after look, beside the margin
@@ -35,9 +36,10 @@ TINY = 1e-9
 
 
 def lacks(blob: Blob, radius: float) -> bool:
-    """Whether a patch is too small to be all of a ball of some radius, px."""
+    """Whether a patch is too small to be all of a ball of some radius, px; a smeared one never is."""
     width = 2 * radius
-    return min(blob.width, blob.height - blob.blur) < width - max(LACKING * width, LACKING_PX)
+    least = width - max(LACKING * width, LACKING_PX)
+    return blob.blur < SMEARED * radius and min(blob.width, blob.height) < least
 
 
 def exceeds(blob: Blob, radius: float) -> bool:
@@ -50,6 +52,11 @@ def clarity(circles: Sequence[Circle]) -> FloatArray:
     """Weigh circles so that those whose outlines are clear decide."""
     vague = [max(circle.vagueness / circle.radius, TINY) for circle in circles]
     return np.array(vague) ** CLEARLY
+
+
+def alike(circles: Sequence[Circle]) -> FloatArray:
+    """Weigh all circles alike."""
+    return np.ones(len(circles))
 
 
 def started(
@@ -70,12 +77,12 @@ def started(
                 place[:2] = circle.x, circle.y
     for k, i in enumerate(unlike):
         size = guesses[i][2]
-        alike = [
+        own = [
             circle
             for circle in found[k * len(WAYS) : (k + 1) * len(WAYS)]
             if circle is not None and abs(circle.radius / size - 1) < ANOTHER
         ]
-        best = min(alike, key=lambda circle: circle.vagueness, default=None)
+        best = min(own, key=lambda circle: circle.vagueness, default=None)
         anew[i] = guesses[i] if best is None else (best.x, best.y, size)
     return anew
 

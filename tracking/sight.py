@@ -1,15 +1,15 @@
 """A ball's outline in many frames: where it is roughly → rims and circles, a batch of frames at a time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from tracking.blob import Blob
-from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
+from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.limb import Limb
 from tracking.median import weighted_median
-from tracking.partial import clarity, exceeds, lacks, started, with_clear_radius
+from tracking.partial import SMEARED, alike, clarity, exceeds, lacks, started, with_clear_radius
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
@@ -17,15 +17,16 @@ from tracking.sighting import Cutting, Cuttings, Sighting, cut_out, together
 from tracking.video import revisit
 
 FloatArray = npt.NDArray[np.float64]
+Weigh = Callable[[Sequence[Circle]], FloatArray]
 
 BATCH = 256  # frames at a time
 NARROW = 0.05  # radii around a circle found before, beside the margin
 WIDE = 0.15  # ... around a first guess
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
-MEMORY = 25  # sightings of which the clearest tell the radius that is expected
+MEMORY = 25  # sightings of which the median radius is expected
+OFTEN = 0.25  # of all patches lack part of the ball: then the clearest sightings decide
 SAME_RADIUS = 0.01  # a ball whose size changes by less is looked for with one radius
 REFITS = 3
-SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
 LIMB_FRAMES = 8  # pictures on which a ball's limb is measured
 
 
@@ -65,11 +66,13 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
     blobs = [path[frame] for frame in cuttings.frames]
     blur = np.array([blob.blur for blob in blobs])
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
-    unlike = [i for i, blob in enumerate(blobs) if lacks(blob, radius) or exceeds(blob, radius)]
-    guesses = started(cuttings, guesses, blur, unlike)
+    lacking = np.array([lacks(blob, radius) for blob in blobs])
+    unlike = lacking | [exceeds(blob, radius) for blob in blobs]
+    guesses = started(cuttings, guesses, blur, np.flatnonzero(unlike).tolist())
     found = sight_once(cuttings, guesses, blur)
+    weigh = clarity if lacking.mean() > OFTEN else alike
     for _ in range(REFITS):
-        around = _radius_around(found, radius)
+        around = _radius_around(found, radius, weigh)
         if np.abs(around - [guess[2] for guess in guesses]).max(initial=0.0) < SAME_RADIUS * radius:
             break
         guesses = [
@@ -80,8 +83,8 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
     return [sighting for sighting in found if sighting is not None]
 
 
-def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArray:
-    """Radius of the clearest of the sharp frames around each one: a ball that comes nearer grows."""
+def _radius_around(found: Sequence[Sighting | None], radius: float, weigh: Weigh) -> FloatArray:
+    """Median radius in the sharp frames around each one: a ball that comes nearer grows."""
     seen = {
         i: sighting.circle
         for i, sighting in enumerate(found)
@@ -91,7 +94,7 @@ def _radius_around(found: Sequence[Sighting | None], radius: float) -> FloatArra
         return np.full(len(found), radius)
     circles = list(seen.values())
     padded = np.pad(
-        [[circle.radius for circle in circles], clarity(circles)], ((0, 0), (MEMORY // 2,) * 2), mode="edge"
+        [[circle.radius for circle in circles], weigh(circles)], ((0, 0), (MEMORY // 2,) * 2), mode="edge"
     )
     around = weighted_median(*np.lib.stride_tricks.sliding_window_view(padded, MEMORY, axis=1))
     return np.asarray(np.interp(np.arange(len(found)), list(seen), around))

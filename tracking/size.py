@@ -8,11 +8,11 @@ from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles, places_of
 from tracking.consensus import agreed_circles
 from tracking.median import weighted_median
-from tracking.partial import clarity
+from tracking.partial import alike, clarity
 from tracking.patch import laid_out
 from tracking.path import sharper
 from tracking.recording import Recording, View
-from tracking.sighting import Cutting, cut_out
+from tracking.sighting import Cutting, Sighting, cut_out
 from tracking.video import revisit
 
 RADIUS_FRAMES = 9  # pictures on which the radius is measured
@@ -26,6 +26,10 @@ SETTLED_PX = 0.01
 REACH = 0.2  # radii
 NARROW = 0.05  # radii: around a circle that many points agree on
 SMALLEST_PX = 10.0  # narrower patches have too few pixels to tell circles apart
+SHARP = 0.12  # motion blur below this share of the radius
+FEWEST_SIZED = 8  # frames that show how large a ball is
+MOSTLY = 0.8  # of all frames must show it, or the radius is less sure:
+UNSEEN = 0.02  # ... by this share, where the wall hides part of the rim in all frames
 DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a ball's own scatter less
 
 
@@ -64,7 +68,7 @@ def measure_radius(
         ball = path[view.index]
         cutting = cut_out(view, (ball.x, ball.y), HALF_WIDTH * guess)
         found.append((cutting, [(ball.x, ball.y, size * guess) for size in STARTING_SIZES]))
-    circles = [_sharpest(fitted) for fitted in _settled(found, REACH)]
+    circles, weigh = [_sharpest(fitted) for fitted in _settled(found, REACH)], alike
     if part and _doubt(circles) > DOUBTFUL:
         agreed = [
             _agreed(view, candidates[view.index], path[view.index]) for view in revisit(recording, some)
@@ -73,8 +77,22 @@ def measure_radius(
             min((first, *others), key=_scatter)
             for first, others in zip(circles, _settled(agreed, NARROW), strict=True)
         ]
+        weigh = clarity
     seen = [circle for circle in circles if circle is not None]
-    return float(weighted_median(places_of(seen)[:, 2], clarity(seen))) if seen else guess
+    return float(weighted_median(places_of(seen)[:, 2], weigh(seen))) if seen else guess
+
+
+def common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
+    """Take the median radius over the sharpest pictures that show it, and its standard error, px."""
+    blur = np.array([s.blur / s.circle.radius for s in sightings])
+    sharp = blur <= max(SHARP, float(np.quantile(blur, 0.25)))
+    sized = np.array([s.sized for s in sightings])
+    told = sharp & sized if (sharp & sized).sum() >= FEWEST_SIZED else sharp
+    radii = np.array([s.circle.radius for s in sightings])[told]
+    radius = float(np.median(radii))
+    spread = 1.4826 * float(np.median(np.abs(radii - radius)))
+    unseen = UNSEEN * radius * (1 - sized.mean()) if sized.mean() < MOSTLY else 0.0
+    return radius, max(float(np.hypot(spread / np.sqrt(len(radii)), unseen)), 1e-3)
 
 
 def _agreed(view: View, candidates: Sequence[Blob], ball: Blob) -> tuple[Cutting, list[Guess]]:

@@ -9,18 +9,16 @@ import numpy.typing as npt
 from tracking.alike import fit_alike
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
 from tracking.candidates import find_candidates
-from tracking.circle import Guess, fit_circles, places_of
+from tracking.circle import Guess, fit_circles
 from tracking.errors import RecordingError
-from tracking.median import weighted_median
 from tracking.notebook import html_table
-from tracking.partial import clarity
 from tracking.path import MISSING, best_path, first_turn, guess_radius
 from tracking.resting import sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
 from tracking.sight import sight_along
 from tracking.sighting import Sighting
-from tracking.size import measure_radius
+from tracking.size import common_radius, measure_radius
 from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
@@ -30,7 +28,6 @@ KEPT = 0.55  # of the frames of a path are found again with the right radius,
 NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
 OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
-SHARP = 0.12  # motion blur below this share of the radius
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.75  # of what scatters more than rims tell: compression errs as much alike at like height
 SHADING_SD = 0.22  # of how far a ball's shading moves its rim
@@ -210,7 +207,7 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
             f"{recording.path.name}: the {ball} ball's outline was seen in {len(sightings)} frames only; "
             "film it larger, sharper and against a background of another colour"
         )
-    radius, radius_sd = _common_radius(sightings)
+    radius, radius_sd = common_radius(sightings)
     if 2 * radius < MINIMUM_DIAMETER_PX:
         raise RecordingError(
             f"{recording.path.name}: the {ball} ball is only {2 * radius:.1f} px wide, but must be at least "
@@ -243,14 +240,3 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
         offset_sd=float(np.hypot(SHADING_SD * shading, shared)),
         sizes=np.array([s.circle.radius if s.sized else np.nan for s, _ in seen]),
     )
-
-
-def _common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
-    """Take the median radius over the sharpest pictures, clear ones above all, and its standard error, px."""
-    blur = np.array([s.blur / s.circle.radius for s in sightings])
-    sharp = blur <= max(SHARP, float(np.quantile(blur, 0.25)))
-    circles = [s.circle for s, own in zip(sightings, sharp, strict=True) if own]
-    radii = places_of(circles)[:, 2]
-    radius = float(weighted_median(radii, clarity(circles)))
-    spread = 1.4826 * float(np.median(np.abs(radii - radius)))
-    return radius, max(spread / np.sqrt(len(radii)), 1e-3)
