@@ -6,7 +6,7 @@ that is known best believed; and since too little of it is seen to tell how larg
 comes from the frames in which it is clear.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LACKING, LACKING_PX = 0.06, 2.0  # of its width, or pixels: a patch narrower by more lacks part of the ball
 EXCESS, EXCESS_PX = 0.12, 4.0  # ... and one wider by more is that of a shadow or a hand as well
+MOSTLY = 0.5
 SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
 ASIDE = 0.18  # radii from the middle of a patch to the other starts
 WAYS = np.vstack((np.zeros((1, 2)), [(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4]))
@@ -46,6 +47,11 @@ def exceeds(blob: Blob, radius: float) -> bool:
     """Whether a patch is too large to be nothing but a ball of some radius, px, and its way up or down."""
     width = 2 * radius
     return blob.width > width + max(EXCESS * width, EXCESS_PX)
+
+
+def is_unlike(blobs: Collection[Blob], radius: float) -> bool:
+    """Whether patches are mostly too small or too large to be a ball of some radius, px."""
+    return float(np.mean([lacks(blob, radius) or exceeds(blob, radius) for blob in blobs])) > MOSTLY
 
 
 def clarity(circles: Sequence[Circle]) -> FloatArray:

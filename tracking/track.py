@@ -1,6 +1,6 @@
 """Images → one `Track` per ball, in pixels."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,10 +8,11 @@ import numpy.typing as npt
 
 from tracking.alike import fit_alike
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
-from tracking.candidates import find_candidates
+from tracking.candidates import Candidates, find_candidates
 from tracking.circle import Guess, fit_circles
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
+from tracking.partial import is_unlike
 from tracking.path import MISSING, best_path, first_turn, guess_radius
 from tracking.resting import sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
@@ -107,9 +108,10 @@ def track_balls(
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
     candidates, around = find_candidates(recording)
-    path, rough = _find_ball(recording, candidates, radius)
     if radius is None:
-        path, radius = _measured(path, rough, candidates, around)
+        path, radius = _measured(*_find_ball(recording, candidates), candidates, around)
+    else:
+        path = _told(recording, candidates, around, radius)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(around, path, radius), recording)]
     if lower is not None:
@@ -130,7 +132,7 @@ def _require_that_fits(recording: Recording, ball: str, radius: float | None) ->
 
 
 def _find_ball(
-    recording: Recording, candidates: Mapping[int, Sequence[Blob]], radius: float | None
+    recording: Recording, candidates: Candidates, radius: float | None = None
 ) -> tuple[dict[int, Blob], float]:
     """Choose the ball among the candidates of every frame, and its radius if it was not given."""
     radius = guess_radius(list(candidates.values())) if radius is None else radius
@@ -144,25 +146,39 @@ def _find_ball(
     return path, radius
 
 
+def _told(recording: Recording, candidates: Candidates, around: Recording, radius: float) -> dict[int, Blob]:
+    """Choose the path of a ball whose radius was told; it may be seen by patches of another size."""
+    path = _choose_path(candidates, radius)
+    rough = guess_radius(list(candidates.values())) if not path or is_unlike(path.values(), radius) else None
+    other = {} if rough is None else _choose_path(candidates, rough)
+    if rough is not None and len(other) > len(path):
+        measured = measure_radius(around, candidates, other, rough)
+        if abs(measured / radius - 1) < OWN_SIZE:
+            return other
+    return path or _find_ball(recording, candidates, radius)[0]
+
+
 def _measured(
-    path: Mapping[int, Blob], rough: float, candidates: Mapping[int, Sequence[Blob]], recording: Recording
+    path: dict[int, Blob], rough: float, candidates: Candidates, recording: Recording
 ) -> tuple[dict[int, Blob], float]:
     """Measure the radius of the ball on a path, and choose the path again by it.
 
     A radius that loses the path is that of something else; and what is round and as large as its patch is not
-    part of something larger, unless that is seen wherever it was.
+    part of something larger, unless that is seen wherever it was. A ball that is seen by patches of another
+    size keeps its path.
     """
     radius = measure_radius(recording, candidates, path, rough)
     again = _choose_path(candidates, radius)
+    kept = path if is_unlike(path.values(), radius) else again
     if len(again) >= NEARLY_ALL * len(path):
-        return again, radius
+        return kept, radius
     alone = measure_radius(recording, candidates, path, rough, part=False)
     if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
-        return again, radius
+        return kept, radius
     return _find_ball(recording, candidates, alone)
 
 
-def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dict[int, Blob]:
+def _choose_path(candidates: Candidates, radius: float) -> dict[int, Blob]:
     """Choose the path of a ball of some radius, px; empty if it is seen in too few frames."""
     blobs = list(candidates.values())
     chosen = zip(candidates, blobs, best_path(blobs, radius), strict=True)
@@ -172,7 +188,7 @@ def _choose_path(candidates: Mapping[int, Sequence[Blob]], radius: float) -> dic
 
 def _the_one(
     recording: Recording,
-    candidates: Mapping[int, Sequence[Blob]],
+    candidates: Candidates,
     path: dict[int, Blob],
     told: tuple[float, Sequence[float] | None],
 ) -> dict[int, Blob]:
