@@ -40,7 +40,7 @@ def measure_radius(
     guess: float,
     *,
     part: bool = True,
-) -> float:
+) -> tuple[float, float]:
     """Measure a ball's radius on some of the pictures in which its motion smears it little.
 
     Each is fitted from several sizes and the sharpest outline believed: shading has softer edges, further in.
@@ -59,8 +59,9 @@ def measure_radius(
 
     Returns
     -------
-    float
-        Radius, px; the guess if no outline is found.
+    radius, scatter : float
+        Radius, px, and by what share of it the points of the outlines scatter; the guess and infinity if no
+        outline is found.
     """
     some = sharper(path, RADIUS_FRAMES)
     found = []
@@ -79,7 +80,9 @@ def measure_radius(
         ]
         weigh = clarity
     seen = [circle for circle in circles if circle is not None]
-    return float(weighted_median(places_of(seen)[:, 2], weigh(seen))) if seen else guess
+    if not seen:
+        return guess, np.inf
+    return float(weighted_median(places_of(seen)[:, 2], weigh(seen))), _doubt(circles)
 
 
 def common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:

@@ -9,25 +9,21 @@ import numpy.typing as npt
 from tracking.alike import fit_alike
 from tracking.blob import MINIMUM_DIAMETER_PX, Blob
 from tracking.candidates import Candidates, find_candidates
+from tracking.choice import FEWEST_FRAMES, choose_ball, choose_path
 from tracking.circle import Guess, fit_circles
 from tracking.errors import RecordingError
 from tracking.notebook import html_table
-from tracking.partial import is_unlike
-from tracking.path import MISSING, best_path, first_turn, guess_radius
+from tracking.path import first_turn
 from tracking.resting import sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
 from tracking.sight import sight_along
 from tracking.sighting import Sighting
-from tracking.size import common_radius, measure_radius
+from tracking.size import common_radius
 from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
 
-FEWEST_FRAMES = 8
-KEPT = 0.55  # of the frames of a path are found again with the right radius,
-NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
-OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.75  # of what scatters more than rims tell: compression errs as much alike at like height
@@ -108,10 +104,7 @@ def track_balls(
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
     candidates, around = find_candidates(recording)
-    if radius is None:
-        path, radius = _measured(*_find_ball(recording, candidates), candidates, around)
-    else:
-        path = _told(recording, candidates, around, radius)
+    path, radius = choose_ball(recording, candidates, around, radius)
     path = _the_one(recording, candidates, path, (radius, start_px))
     tracks = [_as_track("upper", sight_along(around, path, radius), recording)]
     if lower is not None:
@@ -131,61 +124,6 @@ def _require_that_fits(recording: Recording, ball: str, radius: float | None) ->
         )
 
 
-def _find_ball(
-    recording: Recording, candidates: Candidates, radius: float | None = None
-) -> tuple[dict[int, Blob], float]:
-    """Choose the ball among the candidates of every frame, and its radius if it was not given."""
-    radius = guess_radius(list(candidates.values())) if radius is None else radius
-    path = {} if radius is None else _choose_path(candidates, radius)
-    if radius is None or not path:
-        raise RecordingError(
-            f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
-            "a background of another colour, whole and in focus, with more frames a second if it is very "
-            "fast, and check --ball-diameter and the scale"
-        )
-    return path, radius
-
-
-def _told(recording: Recording, candidates: Candidates, around: Recording, radius: float) -> dict[int, Blob]:
-    """Choose the path of a ball whose radius was told; it may be seen by patches of another size."""
-    path = _choose_path(candidates, radius)
-    rough = guess_radius(list(candidates.values())) if not path or is_unlike(path.values(), radius) else None
-    other = {} if rough is None else _choose_path(candidates, rough)
-    if rough is not None and len(other) > len(path):
-        measured = measure_radius(around, candidates, other, rough)
-        if abs(measured / radius - 1) < OWN_SIZE:
-            return other
-    return path or _find_ball(recording, candidates, radius)[0]
-
-
-def _measured(
-    path: dict[int, Blob], rough: float, candidates: Candidates, recording: Recording
-) -> tuple[dict[int, Blob], float]:
-    """Measure the radius of the ball on a path, and choose the path again by it.
-
-    A radius that loses the path is that of something else; and what is round and as large as its patch is not
-    part of something larger, unless that is seen wherever it was. A ball that is seen by patches of another
-    size keeps its path.
-    """
-    radius = measure_radius(recording, candidates, path, rough)
-    again = _choose_path(candidates, radius)
-    kept = path if is_unlike(path.values(), radius) else again
-    if len(again) >= NEARLY_ALL * len(path):
-        return kept, radius
-    alone = measure_radius(recording, candidates, path, rough, part=False)
-    if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
-        return kept, radius
-    return _find_ball(recording, candidates, alone)
-
-
-def _choose_path(candidates: Candidates, radius: float) -> dict[int, Blob]:
-    """Choose the path of a ball of some radius, px; empty if it is seen in too few frames."""
-    blobs = list(candidates.values())
-    chosen = zip(candidates, blobs, best_path(blobs, radius), strict=True)
-    path = {number: seen[index] for number, seen, index in chosen if index != MISSING}
-    return path if len(path) >= FEWEST_FRAMES else {}
-
-
 def _the_one(
     recording: Recording,
     candidates: Candidates,
@@ -194,7 +132,7 @@ def _the_one(
 ) -> dict[int, Blob]:
     """Look for a second ball that falls, and choose by where it starts; `told` are radius and place."""
     radius, start_px = told
-    other = _choose_path(without(path, candidates, radius), radius)
+    other = choose_path(without(path, candidates, radius), radius)
     paths = [path, other] if other and is_rival(other, path, radius) else [path]
     if start_px is not None:
         return dict(nearest(paths, start_px, recording.size, recording.path.name))
