@@ -17,6 +17,7 @@ KEPT = 0.55  # of the frames of a path are found again with the right radius,
 NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
 CLEARER = 0.7  # times as vague: an outline that is believed rather than that of a patch by itself
 ASTRAY = 0.02  # of the frames of a path
+LIT = 1.8  # times the radius of its lit side: no ball is larger
 OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 
 
@@ -87,7 +88,8 @@ def _measured(
     alone, vague = measure_radius(recording, candidates, path, rough, part=False)
     if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
         return kept, radius
-    if scatter < CLEARER * vague and is_unlike(path.values(), radius):
+    lit = radius < LIT * rough and is_unlike(path.values(), radius)
+    if lit and scatter < CLEARER * vague:
         return path, radius
     return _find_ball(recording, candidates, alone)
 

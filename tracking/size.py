@@ -30,6 +30,7 @@ SHARP = 0.12  # motion blur below this share of the radius
 FEWEST_SIZED = 8  # frames that show how large a ball is
 MOSTLY = 0.8  # of all frames must show it, or the radius is less sure:
 UNSEEN = 0.02  # ... by this share, where the wall hides part of the rim in all frames
+ANOTHER = 0.2  # share by which circles that are not of one ball differ
 DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a ball's own scatter less
 
 
@@ -82,7 +83,9 @@ def measure_radius(
     seen = [circle for circle in circles if circle is not None]
     if not seen:
         return guess, np.inf
-    return float(weighted_median(places_of(seen)[:, 2], weigh(seen))), _doubt(circles)
+    radii = places_of(seen)[:, 2]
+    near = np.abs(radii / np.median(radii) - 1) < ANOTHER
+    return float(weighted_median(radii[near], weigh(seen)[near])), _doubt(circles)
 
 
 def common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
