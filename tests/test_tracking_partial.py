@@ -55,6 +55,7 @@ def test_white_ball_whose_dark_side_is_as_grey_as_the_wall_is_measured(
     assert np.median(off) < 0.6
     assert off.max() < 2.0
     assert ball.radius == pytest.approx(25.0, rel=0.025)
+    assert ball.offset_sd > 0.15  # its light moves the rim by 1.7 px, and is not known better than that
     event = clip.truth["events"][0]
     flight = flight_of_ball(0.0027, 0.020, Air())
     known = scale_from_metres_per_pixel(camera.metres_per_pixel)
@@ -94,7 +95,7 @@ def test_a_ball_is_found_from_a_patch_that_lies_aside(aside: tuple[float, float]
 
 
 def test_patches_are_too_small_or_too_large_for_a_ball_and_motion_blur_is_neither() -> None:
-    assert [lacks(blob(*size), 25.0) for size in ((50, 50), (48, 60), (46, 50), (50, 45))] == [
+    assert [lacks(blob(*size), 25.0) for size in ((50, 50), (48, 60), (46, 50), (50, 30))] == [
         False,
         False,
         True,

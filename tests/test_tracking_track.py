@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from clips import Clip, film
 
+from tracking import sight
 from tracking.encode import write_video
 from tracking.errors import RecordingError
 from tracking.render import ball_centres
@@ -24,6 +25,19 @@ def plate_track(plate_clip: Clip) -> Track:
 @pytest.fixture(scope="module")
 def two_tracks(two_clip: Clip) -> list[Track]:
     return track_balls(open_recording(two_clip.path), lower=1.0)
+
+
+@pytest.mark.parametrize("most", [1, 20])
+def test_a_ball_is_seen_the_same_however_many_frames_are_looked_at_at_once(
+    most: int, plate_clip: Clip, plate_track: Track, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sight, "BATCH", most)
+    (found,) = track_balls(open_recording(plate_clip.path))
+    _, one, other = np.intersect1d(plate_track.frame, found.frame, return_indices=True)
+    assert len(one) > 0.97 * len(plate_track.frame)
+    apart = np.hypot(plate_track.x[one] - found.x[other], plate_track.y[one] - found.y[other])
+    assert np.median(apart) < 0.02
+    assert apart.max() < 0.3
 
 
 def misses(track: Track, clip: Clip, ball: int) -> np.ndarray:

@@ -16,7 +16,7 @@ FEWEST_FRAMES = 8
 KEPT = 0.55  # of the frames of a path are found again with the right radius,
 NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
 CLEARER = 0.7  # times as vague: an outline that is believed rather than that of a patch by itself
-ASTRAY = 0.02  # of the frames of a path
+ASTRAY = 0.02  # of the frames that two paths share
 LIT = 1.8  # times the radius of its lit side: no ball is larger
 OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 
@@ -51,12 +51,17 @@ def _find_ball(
     radius = guess_radius(list(candidates.values())) if radius is None else radius
     path = {} if radius is None else choose_path(candidates, radius)
     if radius is None or not path:
-        raise RecordingError(
-            f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
-            "a background of another colour, whole and in focus, with more frames a second if it is very "
-            "fast, and check --ball-diameter and the scale"
-        )
+        raise _none_found(recording)
     return path, radius
+
+
+def _none_found(recording: Recording) -> RecordingError:
+    """Say that there is no ball, and what helps."""
+    return RecordingError(
+        f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
+        "a background of another colour, whole and in focus, with more frames a second if it is very "
+        "fast, and check --ball-diameter and the scale"
+    )
 
 
 def _told(recording: Recording, candidates: Candidates, around: Recording, radius: float) -> dict[int, Blob]:
@@ -68,7 +73,9 @@ def _told(recording: Recording, candidates: Candidates, around: Recording, radiu
         measured, _ = measure_radius(around, candidates, other, rough)
         if abs(measured / radius - 1) < OWN_SIZE:
             return other
-    return path or _find_ball(recording, candidates, radius)[0]
+    if not path:
+        raise _none_found(recording)
+    return path
 
 
 def _measured(
@@ -81,15 +88,14 @@ def _measured(
     something larger, unless that is seen wherever it was, or far more clearly.
     """
     radius, scatter = measure_radius(recording, candidates, path, rough)
-    again = choose_path(candidates, radius)
-    kept = path if is_unlike(path.values(), radius) and _strays(again, path, radius) else again
+    again, unlike = choose_path(candidates, radius), is_unlike(path.values(), radius)
+    kept = path if unlike and _strays(again, path, radius) else again
     if len(again) >= NEARLY_ALL * len(path):
         return kept, radius
     alone, vague = measure_radius(recording, candidates, path, rough, part=False)
     if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
         return kept, radius
-    lit = radius < LIT * rough and is_unlike(path.values(), radius)
-    if lit and scatter < CLEARER * vague:
+    if unlike and radius < LIT * rough and scatter < CLEARER * vague:
         return path, radius
     return _find_ball(recording, candidates, alone)
 

@@ -56,7 +56,7 @@ def _alike(recording: Recording) -> list[Planes]:
     looks = list(recording.looks.values())
     if recording.drift is not None:
         looks = [held_still(look, recording.drift[number]) for number, look in recording.looks.items()]
-    first = recording.pictures[0] if recording.pictures else looks[len(looks) // 2]
+    first = recording.pictures[0] if len(recording.pictures) == 1 else looks[len(looks) // 2]
     gains = [gain_between(_few(look), _few(first)) for look in looks]
     return [brightened(look, 1 / gain) for look, gain in zip(looks, gains, strict=True)]
 

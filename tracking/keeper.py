@@ -131,16 +131,11 @@ class Keeper:
 
     def _settle(self) -> None:
         """Let all frames differ from what most of them show, unless that is no less."""
-        before, looks, usual = (
-            self.pictures,
-            [coarsely(own) for own in self.pictures],
-            usual_of(self.pictures, self.frames),
-        )
-        coarse = coarsely(usual)
+        before, usual = self.pictures, usual_of(self.pictures, self.frames)
+        looks, coarse, shape = [coarsely(own) for own in before], coarsely(usual), usual[0].shape
         reference = _Reference(coarse=coarse, marks=np.zeros_like(coarse[0]), lasting=BRIEFLY, beside=CLOSELY)
-        whole = (everywhere(usual[0].shape),)
-        changes = [self._anew(reference, _look_at(kept, looks), whole) for kept in self.frames]
-        taken = sum(_area(windows) for _, windows in changes) / _area(whole)
+        changes = [self._change(reference, _look_at(kept, looks), shape) for kept in self.frames]
+        taken = sum(_area(windows) for _, windows in changes) / (shape[0] * shape[1])
         if (1 + taken) * size_of(usual) < self._bytes:
             self.pictures, frames, self.frames = [usual], self.frames[::-1], []
             self._reference, self._bytes = reference, size_of(usual)
@@ -152,14 +147,13 @@ class Keeper:
                 )
         self._much = max(2 * self._bytes, MOST_BYTES)  # it would hardly become less before
 
-    def _anew(
-        self, reference: _Reference, coarse: Planes, whole: tuple[Window, ...]
+    def _change(
+        self, reference: _Reference, coarse: Planes, shape: tuple[int, ...]
     ) -> tuple[float, tuple[Window, ...]]:
         """How much brighter than another picture a frame is that is kept, and where it differs from it."""
-        height, width = whole[0][0].stop, whole[0][1].stop
         gain = gain_between(coarse[0], reference.coarse[0])
-        windows = reference.differing(coarse, gain, self._least, (height, width))
-        return gain, whole if windows is None else windows
+        windows = reference.differing(coarse, gain, self._least, shape)
+        return gain, (everywhere(shape),) if windows is None else windows
 
 
 def _look_at(kept: Kept, looks: Sequence[Planes]) -> Planes:

@@ -88,10 +88,10 @@ def _median(levels: Sequence[Image]) -> Image:
 
 
 def usual_of(pictures: Sequence[Planes], frames: Sequence[Kept]) -> Planes:
-    """Show what most of some frames show, as bright as the first picture."""
+    """Show what most of some frames show, as bright as in the middle."""
     some = [frames[k] for k in np.linspace(0, len(frames) - 1, SAMPLES).astype(int)]
-    shape, first = pictures[0][0].shape, coarsely(pictures[0])[0]
-    gains = [gain_between(coarsely(pictures[kept.picture])[0], first) for kept in some]
+    shape, bright = pictures[0][0].shape, [coarsely(pictures[kept.picture])[0] for kept in some]
+    gains = [gain_between(own, bright[len(some) // 2]) for own in bright]
     windows = ever_changed(frames, shape) if len(pictures) == 1 else _strips(shape)
 
     def looks(window: Window) -> list[Planes]:
@@ -109,7 +109,7 @@ def _strips(shape: tuple[int, ...]) -> tuple[Window, ...]:
     )
 
 
-def part_of(planes: Planes, coarse: Planes, window: Window, gain: float = 1.0) -> Part:
+def part_of(planes: Planes, coarse: Planes, window: Window, gain: float) -> Part:
     """Copy a part of a picture, and of the look at it, made brighter or darker."""
     few = copied(cut(coarse, coarse_window(window)))
     return Part(window, brightened(copied(planes), gain), brightened(few, gain))

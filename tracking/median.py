@@ -62,7 +62,7 @@ def _in_order(one: Image, other: Image) -> None:
 
 
 def weighted_median(values: npt.ArrayLike, weights: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Take the middle of values (..., n) of which each counts as much as its weight."""
+    """Take the middle of values (..., n), at least one, of which each counts as much as its weight."""
     values, weights = np.asarray(values, dtype=np.float64), np.asarray(weights, dtype=np.float64)
     order = np.argsort(values, axis=-1)
     values, weights = np.take_along_axis(values, order, -1), np.take_along_axis(weights, order, -1)

@@ -9,7 +9,7 @@ from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.limb import Limb
 from tracking.median import weighted_median
-from tracking.partial import SMEARED, alike, clarity, exceeds, lacks, started, with_clear_radius
+from tracking.partial import ASIDE, SMEARED, alike, clarity, exceeds, lacks, started, with_clear_radius
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
@@ -19,7 +19,7 @@ from tracking.video import revisit
 FloatArray = npt.NDArray[np.float64]
 Weigh = Callable[[Sequence[Circle]], FloatArray]
 
-BATCH = 256  # frames at a time
+BATCH = 256  # frames at a time at most; all batches are nearly as large
 NARROW = 0.05  # radii around a circle found before, beside the margin
 WIDE = 0.15  # ... around a first guess
 RADIUS_TOLERANCE = 0.15  # a fitted circle this much larger or smaller than the ball is something else
@@ -34,13 +34,13 @@ def sight_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
     """See a ball of some radius (px) wherever it is on its path, patches by the number of the frame."""
     seen: list[Sighting] = []
     waiting: list[Cutting] = []
-    limb = _limb_along(recording, path, radius)
+    limb, most = _limb_along(recording, path, radius), -(-len(path) // -(-len(path) // BATCH))
     for view in revisit(recording, path):
         waiting.append(_cut_on_path(view, path, radius))
-        if len(waiting) == BATCH:
+        if len(waiting) == most:
             seen += _sharp_on_path(together(waiting), path, radius, limb)
             waiting.clear()
-    return seen + _sharp_on_path(together(waiting), path, radius, limb)
+    return seen + _sharp_on_path(together(waiting), path, radius, limb) if waiting else seen
 
 
 def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -> Limb:
@@ -53,7 +53,7 @@ def _limb_along(recording: Recording, path: Mapping[int, Blob], radius: float) -
 def _sharp_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float, limb: Limb) -> list[Sighting]:
     """See the ball in a batch by its edges, and then by its limb."""
     seen = sharpened(cuttings, _sight_on_path(cuttings, path, radius), limb)
-    return with_clear_radius(cuttings, seen, (path, radius), limb)
+    return with_clear_radius(cuttings, seen, path, radius, limb)
 
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
@@ -64,10 +64,10 @@ def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting
 def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
     """See the ball in a batch; again with the radius of the frames around where that is another."""
     blobs = [path[frame] for frame in cuttings.frames]
-    blur = np.array([blob.blur for blob in blobs])
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
-    lacking = np.array([lacks(blob, radius) for blob in blobs])
-    unlike = lacking | [exceeds(blob, radius) for blob in blobs]
+    lacking = np.array([lacks(blob, radius) for blob in blobs], dtype=bool)
+    unlike = lacking | np.array([exceeds(blob, radius) for blob in blobs], dtype=bool)
+    blur = np.where(lacking, 0.0, [blob.blur for blob in blobs])  # what is flat lacks part of the ball
     guesses = started(cuttings, guesses, blur, np.flatnonzero(unlike).tolist())
     found = sight_once(cuttings, guesses, blur)
     weigh = clarity if lacking.mean() > OFTEN else alike
@@ -84,7 +84,7 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
 
 
 def _radius_around(found: Sequence[Sighting | None], radius: float, weigh: Weigh) -> FloatArray:
-    """Median radius in the sharp frames around each one: a ball that comes nearer grows."""
+    """Weighed median radius in the sharp frames around each one: a ball that comes nearer grows."""
     seen = {
         i: sighting.circle
         for i, sighting in enumerate(found)
@@ -120,5 +120,5 @@ def sight_once(cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray) -
 
 
 def half_width(radius: float, blur: float) -> float:
-    """Half the width of what is cut out, so that no ray leaves it."""
-    return (1 + 2 * WIDE) * radius + 2 * MARGIN_PX + blur + 2
+    """Half the width of what is cut out, so that rays hardly ever leave it."""
+    return (1 + ASIDE + WIDE) * radius + 2 * MARGIN_PX + blur + 2

@@ -28,7 +28,7 @@ NARROW = 0.05  # radii: around a circle that many points agree on
 SMALLEST_PX = 10.0  # narrower patches have too few pixels to tell circles apart
 SHARP = 0.12  # motion blur below this share of the radius
 FEWEST_SIZED = 8  # frames that show how large a ball is
-MOSTLY = 0.8  # of all frames must show it, or the radius is less sure:
+MOST_SIZED = 0.8  # of all frames must show it, or the radius is less sure:
 UNSEEN = 0.02  # ... by this share, where the wall hides part of the rim in all frames
 ANOTHER = 0.2  # share by which circles that are not of one ball differ
 DOUBTFUL = 0.008  # radii by which the points of an outline scatter; those of a ball's own scatter less
@@ -61,8 +61,8 @@ def measure_radius(
     Returns
     -------
     radius, scatter : float
-        Radius, px, and by what share of it the points of the outlines scatter; the guess and infinity if no
-        outline is found.
+        Radius, px, and by what share of it the points of the outlines scatter, infinity if most
+        show none; the guess if no outline is found.
     """
     some = sharper(path, RADIUS_FRAMES)
     found = []
@@ -84,7 +84,7 @@ def measure_radius(
     if not seen:
         return guess, np.inf
     radii = places_of(seen)[:, 2]
-    near = np.abs(radii / np.median(radii) - 1) < ANOTHER
+    near = np.abs(radii / np.quantile(radii, 0.5, method="lower") - 1) < ANOTHER
     return float(weighted_median(radii[near], weigh(seen)[near])), _doubt(circles)
 
 
@@ -97,7 +97,7 @@ def common_radius(sightings: Sequence[Sighting]) -> tuple[float, float]:
     radii = np.array([s.circle.radius for s in sightings])[told]
     radius = float(np.median(radii))
     spread = 1.4826 * float(np.median(np.abs(radii - radius)))
-    unseen = UNSEEN * radius * (1 - sized.mean()) if sized.mean() < MOSTLY else 0.0
+    unseen = UNSEEN * radius * (1 - sized.mean()) if sized.mean() < MOST_SIZED else 0.0
     return radius, max(float(np.hypot(spread / np.sqrt(len(radii)), unseen)), 1e-3)
 
 

@@ -178,6 +178,7 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
     unseen = np.sqrt(np.maximum(path_scatter(frame, places) ** 2 - np.median(by_rim**2, axis=0), 0.0))
     shared = SHARED * float(np.hypot(*unseen)) / np.sqrt(2)
     shading = float(np.hypot(*np.median([s.shading for s, _ in seen], axis=0))) / np.sqrt(2)
+    hidden = radius_sd * (1 - np.mean([s.sized for s, _ in seen]))  # half a rim moves with the radius
     return Track(
         ball=ball,
         unit="px",
@@ -191,6 +192,6 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
         radius=radius,
         radius_sd=radius_sd,
         shared_sd=shared,
-        offset_sd=float(np.hypot(SHADING_SD * shading, shared)),
+        offset_sd=float(np.linalg.norm((SHADING_SD * shading, shared, hidden))),
         sizes=np.array([s.circle.radius if s.sized else np.nan for s, _ in seen]),
     )
