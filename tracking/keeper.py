@@ -131,8 +131,9 @@ class Keeper:
 
     def _settle(self) -> None:
         """Let all frames differ from what most of them show, unless that is no less."""
-        before, usual = self.pictures, usual_of(self.pictures, self.frames)
-        looks, coarse, shape = [coarsely(own) for own in before], coarsely(usual), usual[0].shape
+        before, looks = self.pictures, [coarsely(own) for own in self.pictures]
+        usual = usual_of(before, looks, self.frames)
+        coarse, shape = coarsely(usual), usual[0].shape
         reference = _Reference(coarse=coarse, marks=np.zeros_like(coarse[0]), lasting=BRIEFLY, beside=CLOSELY)
         changes = [self._change(reference, _look_at(kept, looks), shape) for kept in self.frames]
         taken = sum(_area(windows) for _, windows in changes) / (shape[0] * shape[1])

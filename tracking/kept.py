@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tracking.boxes import boxes
-from tracking.coarse import COARSE, brightened, coarsely, gain_between
+from tracking.coarse import COARSE, brightened, gain_between
 from tracking.median import median_of
 from tracking.planes import Image, Planes, Window, copied, cut
 
@@ -87,18 +87,18 @@ def _median(levels: Sequence[Image]) -> Image:
     )
 
 
-def usual_of(pictures: Sequence[Planes], frames: Sequence[Kept]) -> Planes:
-    """Show what most of some frames show, as bright as in the middle."""
+def usual_of(pictures: Sequence[Planes], looks: Sequence[Planes], frames: Sequence[Kept]) -> Planes:
+    """Show what most of some frames show, as bright as in the middle; `looks` are those at the pictures."""
     some = [frames[k] for k in np.linspace(0, len(frames) - 1, SAMPLES).astype(int)]
-    shape, bright = pictures[0][0].shape, [coarsely(pictures[kept.picture])[0] for kept in some]
+    shape, bright = pictures[0][0].shape, [looks[kept.picture][0] for kept in some]
     gains = [gain_between(own, bright[len(some) // 2]) for own in bright]
     windows = ever_changed(frames, shape) if len(pictures) == 1 else _strips(shape)
 
-    def looks(window: Window) -> list[Planes]:
+    def alike(window: Window) -> list[Planes]:
         lit = zip(some, gains, strict=True)
         return [brightened(shown(pictures[kept.picture], kept, window), 1 / gain) for kept, gain in lit]
 
-    return laid_over(pictures[0], [(window, usual_picture(looks(window))) for window in windows])
+    return laid_over(pictures[0], [(window, usual_picture(alike(window))) for window in windows])
 
 
 def _strips(shape: tuple[int, ...]) -> tuple[Window, ...]:
