@@ -112,9 +112,11 @@ def revisit(recording: Recording, wanted: Collection[int] | None = None) -> Iter
 
 
 def _decoded(recording: Recording, wanted: Collection[int] | None) -> Iterator[tuple[int, float, Picture]]:
-    """Yield number, time and picture of the genuine frames in the file."""
+    """Yield number, time and picture of the genuine frames in the file, up to the last that is wanted."""
+    count = len(recording.times) if wanted is None else max(wanted, default=-1) + 1
     with opened(recording.path) as film:
-        for index, (time, picture) in enumerate(zip(recording.times, film.pictures(), strict=False)):
+        frames = zip(recording.times[:count], film.pictures(), strict=False)
+        for index, (time, picture) in enumerate(frames):
             if recording.genuine[index] and (wanted is None or index in wanted):
                 yield index, float(time), picture
 
