@@ -176,6 +176,19 @@ def test_ball_that_is_hit_at_rest_gets_its_own_velocity(speed: float, upper: flo
     assert np.all(impact.sd > 0)
 
 
+@pytest.mark.parametrize("misread", [[38], [37, 38], [39]])
+def test_a_rim_misread_while_the_balls_touch_is_no_second_meeting(misread: list[int]) -> None:
+    top = bounce(-2.0, 1.4)
+    struck = replace(top, y=top.y + 2 * RADIUS)
+    hop = np.where(top.time < 0.1501, 0.0, position(BALL, 0.7, np.maximum(top.time - 0.1501, 0)))
+    height = RADIUS + np.maximum(hop, 0.0)
+    height[misread] += 0.003
+    impact = measure_two_ball_impact(struck, as_track(top.time, height, ball="lower"), [BALL, BALL])
+    assert impact is not None
+    assert impact.frames[1] > 20
+    assert impact.velocities == pytest.approx(np.array([-2.0, 1.4, 0.7]), rel=0.01)
+
+
 def test_single_ball_has_no_lower_velocity() -> None:
     impact = only(measure_impacts(bounce(-2.0, 1.7), BALL))
     assert np.isnan(impact.velocities[2])

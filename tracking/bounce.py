@@ -95,7 +95,8 @@ def until_next_meeting(bounce: Bounce, upper: Track, lower: Track) -> Bounce:
     apart = upper.y[bounce.after] - np.interp(upper.time[bounce.after], lower.time, lower.y)
     noise = float(np.hypot(np.median(upper.y_sd), np.median(lower.y_sd)))
     nearest, _ = find_peaks(-apart, prominence=6 * noise)
-    return replace(bounce, after=bounce.after[: nearest[0]]) if nearest.size else bounce
+    later = nearest[nearest >= FEWEST_FRAMES]  # where they have hardly parted, rims are misread
+    return replace(bounce, after=bounce.after[: later[0]]) if later.size else bounce
 
 
 def crossing(track: Track, fall: IndexArray, rise: IndexArray) -> float:
