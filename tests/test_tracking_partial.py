@@ -81,17 +81,19 @@ def test_small_white_ball_is_not_left_for_its_mirror_image_in_the_plate(
     assert ball.radius == pytest.approx(12.5, rel=0.025)
 
 
-@pytest.mark.parametrize("aside", [(4.0, 0.0), (-3.0, -4.0), (0.0, 5.0)])
-def test_a_ball_is_found_from_a_patch_that_lies_aside(aside: tuple[float, float]) -> None:
+@pytest.mark.parametrize(
+    ("aside", "width"), [((4.0, 0.0), 40), ((-3.0, -4.0), 40), ((0.0, 5.0), 40), ((-7.0, -10.0), 28)]
+)
+def test_a_ball_is_found_from_a_patch_that_lies_aside(aside: tuple[float, float], width: float) -> None:
     picture = np.full((120, 120, 3), 90, np.uint8)
     cv2.circle(picture, (60, 58), 24, (200, 200, 200), -1, cv2.LINE_AA)
     cv2.circle(picture, (50, 48), 9, (250, 250, 250), -1, cv2.LINE_AA)  # a highlight on its lit side
     guess = (60 + aside[0], 58 + aside[1], 24.0)
     cuttings = together([Cutting(frame=0, time=0.0, patch=part_of(picture, (60, 60), 55))])
-    ((x, y, radius),) = started(cuttings, [guess], np.zeros(1), [0])
+    ((x, y, radius),) = started(cuttings, [guess], np.zeros(1), {0: blob(width, width)})
     assert np.hypot(x - 60, y - 58) < 0.3
     assert radius == 24.0
-    assert started(cuttings, [guess], np.zeros(1), []) == [guess]
+    assert started(cuttings, [guess], np.zeros(1), {}) == [guess]
 
 
 def test_patches_are_too_small_or_too_large_for_a_ball_and_motion_blur_is_neither() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from tracking.blob import Blob
 from tracking.candidates import Candidates
 from tracking.errors import RecordingError
+from tracking.fall import goes_on
 from tracking.partial import is_unlike
 from tracking.path import MISSING, best_path, guess_radius
 from tracking.recording import Recording
@@ -16,8 +17,10 @@ FEWEST_FRAMES = 8
 KEPT = 0.55  # of the frames of a path are found again with the right radius,
 NEARLY_ALL = 0.9  # and this share of them unless the patch that was followed is of another size by itself
 CLEARER = 0.7  # times as vague: an outline that is believed rather than that of a patch by itself
-ASTRAY = 0.02  # of the frames that two paths share
+LIT_SIDES = (0.85, 0.7, 0.55)  # of a ball's size: that of its lit side, where its dark one is like the wall
 LIT = 1.8  # times the radius of its lit side: no ball is larger
+ASTRAY = 0.02  # of the frames that two paths share: if they are apart in more, one leads to something else
+MOSTLY = 0.9  # of the frames in which a path goes on: one along the same way is as good if it does in as many
 OWN_SIZE = 0.1  # share by which a patch's own outline may differ from its width
 
 
@@ -39,71 +42,66 @@ def choose_ball(
     RecordingError
         If nothing round moves through the picture.
     """
-    if radius is None:
-        return _measured(*_find_ball(recording, candidates), candidates, around)
-    return _told(recording, candidates, around, radius), radius
-
-
-def _find_ball(
-    recording: Recording, candidates: Candidates, radius: float | None = None
-) -> tuple[dict[int, Blob], float]:
-    """Choose the ball among the candidates of every frame, and its radius if it was not given."""
-    radius = guess_radius(list(candidates.values())) if radius is None else radius
-    path = {} if radius is None else choose_path(candidates, radius)
+    rough = guess_radius(list(candidates.values()))
+    if radius is None and rough is not None:
+        radius = _measured(candidates, around, rough)
+    path = {} if radius is None else _path_of(candidates, around, radius, rough)
     if radius is None or not path:
-        raise _none_found(recording)
+        raise RecordingError(
+            f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
+            "a background of another colour, whole and in focus, with more frames a second if it is very "
+            "fast, and check --ball-diameter and the scale"
+        )
     return path, radius
 
 
-def _none_found(recording: Recording) -> RecordingError:
-    """Say that there is no ball, and what helps."""
-    return RecordingError(
-        f"{recording.path.name}: no ball found that moves through the picture; film a plain ball against "
-        "a background of another colour, whole and in focus, with more frames a second if it is very "
-        "fast, and check --ball-diameter and the scale"
-    )
+def _path_of(
+    candidates: Candidates, recording: Recording, radius: float, rough: float | None
+) -> dict[int, Blob]:
+    """Choose the path of a ball of some radius, which may be seen by patches of another size.
 
-
-def _told(recording: Recording, candidates: Candidates, around: Recording, radius: float) -> dict[int, Blob]:
-    """Choose the path of a ball whose radius was told; it may be seen by patches of another size."""
+    Another ball rests, and stray patches leap about. So a path that goes on in more frames is the ball's, if
+    what moves there is as large as the ball.
+    """
+    sizes = [share * radius for share in LIT_SIDES]
+    sizes += [rough] if rough is not None and rough > radius / LIT else []
     path = choose_path(candidates, radius)
-    rough = guess_radius(list(candidates.values())) if not path or is_unlike(path.values(), radius) else None
-    other = {} if rough is None else choose_path(candidates, rough)
-    if rough is not None and len(other) > len(path):
-        measured, _ = measure_radius(around, candidates, other, rough)
-        if abs(measured / radius - 1) < OWN_SIZE:
-            return other
-    if not path:
-        raise _none_found(recording)
+    for size in sizes:
+        other = choose_path(candidates, size)
+        if _is_rather_the_ball(other, path, radius):
+            measured, _ = measure_radius(recording, candidates, other, size)
+            path = other if abs(measured / radius - 1) < OWN_SIZE else path
     return path
 
 
-def _measured(
-    path: dict[int, Blob], rough: float, candidates: Candidates, recording: Recording
-) -> tuple[dict[int, Blob], float]:
-    """Measure the radius of the ball on a path, and choose the path again by it.
+def _measured(candidates: Candidates, recording: Recording, rough: float) -> float:
+    """Measure the radius of the ball that goes through a recording in patches of a rough radius, px.
 
-    A ball that is seen by patches of another size keeps its path if the other goes astray. A radius that
-    loses the path is that of something else; and what is round and as large as its patch is not part of
-    something larger, unless that is seen wherever it was, or far more clearly.
+    A radius that loses the path is that of something else; and what is round and as large as its patch is not
+    part of something larger, unless that is seen wherever it was, or far more clearly.
     """
+    path = choose_path(candidates, rough)
+    if not path:
+        return rough
     radius, scatter = measure_radius(recording, candidates, path, rough)
-    again, unlike = choose_path(candidates, radius), is_unlike(path.values(), radius)
-    kept = path if unlike and _strays(again, path, radius) else again
+    again = choose_path(candidates, radius)
     if len(again) >= NEARLY_ALL * len(path):
-        return kept, radius
+        return radius
     alone, vague = measure_radius(recording, candidates, path, rough, part=False)
     if len(again) >= KEPT * len(path) and abs(alone / rough - 1) > OWN_SIZE:
-        return kept, radius
-    if unlike and radius < LIT * rough and scatter < CLEARER * vague:
-        return path, radius
-    return _find_ball(recording, candidates, alone)
+        return radius
+    if is_unlike(path.values(), radius) and radius < LIT * rough and scatter < CLEARER * vague:
+        return radius
+    return alone
 
 
-def _strays(path: Mapping[int, Blob], other: Mapping[int, Blob], radius: float) -> bool:
-    """Whether a path leaves another one by more than a radius, px, in some frames, or altogether."""
+def _is_rather_the_ball(other: Mapping[int, Blob], path: Mapping[int, Blob], radius: float) -> bool:
+    """Whether another path goes on in more frames than a path, or in many more if both are along one way."""
+    if not other or not path:
+        return bool(other)
     apart = [np.hypot(path[k].x - other[k].x, path[k].y - other[k].y) for k in path.keys() & other.keys()]
-    return not apart or float(np.mean(np.array(apart) > radius)) > ASTRAY
+    elsewhere = not apart or float(np.mean(np.array(apart) > radius)) > ASTRAY
+    return (1.0 if elsewhere else MOSTLY) * goes_on(other, radius) > goes_on(path, radius)
 
 
 def choose_path(candidates: Candidates, radius: float) -> dict[int, Blob]:

@@ -25,7 +25,8 @@ LACKING, LACKING_PX = 0.06, 2.0  # of its width, or pixels: a patch narrower by 
 EXCESS, EXCESS_PX = 0.12, 4.0  # ... and one wider by more is that of a shadow or a hand as well
 MOST_PATCHES = 0.5  # of a path must be unlike the ball, or it is seen as it is
 SMEARED = 0.25  # radii of motion blur, from which a ball's own size is not believed
-ASIDE = 0.18  # radii from the middle of a patch to the other starts
+ASIDE = 0.18  # radii, at least, from the middle of a patch to the other starts,
+HIDDEN = 0.85  # ... or this share of how far off it can be if the patch is part of the ball
 WAYS = np.vstack((np.zeros((1, 2)), [(np.cos(a), np.sin(a)) for a in np.arange(8) * np.pi / 4]))
 REACHES = (0.15, 0.1, 0.1)  # radii, look after look, beside the margin,
 LAST_REACH = 0.05  # ... and at last, when the radius is free
@@ -66,15 +67,22 @@ def alike(circles: Sequence[Circle]) -> FloatArray:
     return np.ones(len(circles))
 
 
+def room(blob: Blob, radius: float) -> tuple[float, float]:
+    """How far from the middle of a patch that of its ball is looked for, px, across and up or down."""
+    across, along = (max(ASIDE * radius, HIDDEN * (radius - side / 2)) for side in (blob.width, blob.height))
+    return across, along
+
+
 def started(
-    cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray, unlike: Sequence[int]
+    cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray, unlike: Mapping[int, Blob]
 ) -> list[Guess]:
     """Start anew where a patch is unlike the ball, from the clearest circle found from places around it."""
     anew, places = list(guesses), np.array(guesses).reshape(-1, 3)
-    many = np.repeat(np.asarray(unlike, dtype=np.int64), len(WAYS))
+    many = np.repeat(np.fromiter(unlike, dtype=np.int64), len(WAYS))
     radius, smear, patches = places[many, 2], blur[many], cuttings.patches.take(many.tolist())
     at = places[many]
-    at[:, :2] += ASIDE * radius[:, None] * np.tile(WAYS, (len(unlike), 1))
+    rooms = np.array([room(blob, guesses[i][2]) for i, blob in unlike.items()]).reshape(-1, 1, 2)
+    at[:, :2] += (rooms * WAYS).reshape(-1, 2)
 
     def look(share: float, free_radius: bool) -> list[Circle | None]:
         rims = find_rims(patches, at, reach=share * radius + MARGIN_PX + smear / 2, blur=smear)

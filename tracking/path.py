@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from tracking.blob import Blob
 from tracking.kernel import compiled, part
@@ -79,12 +78,6 @@ def guess_radius(frames: Sequence[Sequence[Blob]]) -> float | None:
 def _round(blob: Blob) -> bool:
     """Tell whether a patch could be a ball, sharp or smeared upright."""
     return not blob.at_border and 0.8 < blob.fill < 1.15 and 0.75 < blob.height / blob.width < 2.5
-
-
-def first_turn(depth: FloatArray, radius: float) -> int:
-    """Find where a ball first rebounds: the place, among depths in px, of the first or of the lowest one."""
-    turns, _ = find_peaks(depth, prominence=radius / 2)
-    return int(turns[0]) if turns.size else int(np.argmax(depth))
 
 
 def best_path(frames: Sequence[Sequence[Blob]], radius: float) -> list[int]:

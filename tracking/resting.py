@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
+from tracking.partial import OTHER_BALL
 from tracking.patch import laid_out
 from tracking.recording import Recording
 from tracking.sharp import limb_of, sharpened
-from tracking.sight import MEMORY, WIDE, half_width, sight_once
+from tracking.sight import MEMORY, NARROW, WIDE, half_width, sight_once
 from tracking.sighting import Cutting, Cuttings, Sighting, cut_out, together
 from tracking.video import revisit
 
@@ -26,6 +27,9 @@ SURPRISE_PX = 1.5  # a ball this far from where it was expected is expected anew
 LONGEST_STRIDE = 32  # frames looked through at once
 DOUBTFUL = 2.0  # times the usual scatter of a rim: it may not be the ball's
 DOUBTFUL_PX = 0.06  # ... and at least this
+ABOVE = 1.5  # radii above where it is expected from which a resting ball is looked for,
+SPACING, ACROSS = 0.25, (-0.25, 0.0, 0.25)  # ... radii up and down between those places, and across
+BELOW = 2.0  # radii below count as one above: the other ball's fall is not always seen to its end
 ABOUT = np.linspace(-1.25, 1.0, 10)  # radii up and down, in which a struck ball is looked for
 SINKING = 0.1  # radii: no ball goes deeper into the plate; what is seen there is its mirror image
 
@@ -76,20 +80,45 @@ class _Watch:
         return bool(self.highest[sighting.frame] <= sighting.circle.y <= deepest)
 
 
+def find_resting(recording: Recording, frame: int, expected: Guess) -> Guess:
+    """Find a ball that rests about where it is expected (x, y and radius, px) in one frame, or below.
+
+    Of the outlines found it has a clear one, and one near: its mirror image in the plate lies further down.
+    """
+    (view,) = revisit(recording, {frame})
+    x, highest, radius = expected[0], expected[1] - ABOVE * expected[2], expected[2]
+    lowest = max(view.size[0] - 1.0, highest + radius)
+    cutting = cut_out(view, (x, (highest + lowest) / 2), (lowest - highest) / 2 + half_width(radius, 0.0))
+    down = np.arange(highest, lowest, SPACING * radius).tolist()
+    guesses: list[Guess] = [(x + aside * radius, y, radius) for y in down for aside in ACROSS]
+    for reach, free in ((WIDE * radius + MARGIN_PX, False), (NARROW * radius + MARGIN_PX, True)):
+        rims = find_rims(laid_out([cutting.patch]).take([0] * len(guesses)), guesses, reach=reach)
+        circles = [c for c in fit_circles(rims, guesses, free_radius=free) if c is not None]
+        guesses = [(c.x, c.y, radius) for c in circles]
+    possible = [c for c in circles if abs(c.radius / radius - 1) < OTHER_BALL and c.y > highest]
+    below = np.array([circle.y - expected[1] for circle in possible]) / radius
+    unlikely = [c.vagueness for c in possible] * (1 + (below / np.where(below > 0, BELOW, 1.0)) ** 2)
+    if not possible:
+        return expected
+    best = possible[int(np.argmin(unlikely))]
+    rim = find_rims([cutting.patch], [(best.x, best.y, radius)], reach=NARROW * radius + MARGIN_PX)
+    (again,) = fit_circles(rim, [(best.x, best.y, radius)], free_radius=False)
+    return (best.x, best.y, radius) if again is None else (again.x, again.y, radius)
+
+
 def sight_resting(recording: Recording, guess: Guess, highest: FloatArray) -> list[Sighting]:
     """See a ball that rests first and may be struck later.
 
     Parameters
     ----------
     recording : Recording
-    guess : x, y and radius, px; its height may be a radius off
+    guess : x, y and radius, px
     highest : the least y, px, that its centre can have in each frame of the file
     """
     watch = _Watch(guess=guess, highest=highest)
     half = 2 * guess[2] + half_width(guess[2], 0.0)
     for view in revisit(recording):
         if not watch.seen and not watch.waiting:
-            watch.guess = _find_resting(cut_out(view, watch.guess[:2], half), watch.guess)
             first = together([cut_out(view, watch.guess[:2], half)])
             found = sight_once(first, [watch.guess], np.zeros(1))
             watch.limb = limb_of(first, [sighting for sighting in found if sighting is not None])
@@ -141,15 +170,3 @@ def _look_about(watch: _Watch, alone: Cuttings, place: Guess) -> Sighting | None
     found = sight_once(alone.take([0] * len(guesses)), guesses, np.zeros(len(guesses)))
     possible = (sighting for sighting in found if sighting is not None and watch.is_possible(sighting))
     return min(possible, key=lambda sighting: sighting.circle.vagueness, default=None)
-
-
-def _find_resting(cutting: Cutting, guess: Guess) -> Guess:
-    """Find the resting ball up to a radius above or below the guess: where the best rim is."""
-    x, y, radius = guess
-    guesses: list[Guess] = [(x, y + shift, radius) for shift in np.linspace(-1, 1, 9) * radius]
-    for reach in (WIDE * radius + MARGIN_PX, MARGIN_PX):
-        rims = find_rims(laid_out([cutting.patch]).take([0] * len(guesses)), guesses, reach=reach)
-        circles = [c for c in fit_circles(rims, guesses, free_radius=False) if c is not None]
-        guesses = [(c.x, c.y, radius) for c in circles]
-    best = min(circles, key=lambda circle: circle.vagueness, default=None)
-    return guess if best is None else (best.x, best.y, radius)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from tracking.blob import Blob
 from tracking.errors import RecordingError
-from tracking.path import first_turn
+from tracking.fall import LONG_FALL, first_turn
 
 FloatArray = npt.NDArray[np.float64]
 Path = Mapping[int, Blob]
@@ -15,7 +15,6 @@ Path = Mapping[int, Blob]
 
 APART = 2.5  # radii: what is nearer belongs to the ball itself
 FEWEST_FRAMES = 7  # of a fall
-LONG_FALL = 3.0  # radii
 SMOOTH = 0.15  # radii off a parabola: hands and feet fall less smoothly
 ALIKE = 0.6  # of the other's acceleration and contrast: a shadow is fainter, a mirror image rises
 CLICK_SHARE = 0.05  # of the picture's longer side: as near as a person points

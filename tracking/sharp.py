@@ -16,8 +16,11 @@ FURTHEST = 0.1  # ... nor one that does by this share of its radius, if that is 
 
 
 def limb_of(cuttings: Cuttings, seen: Sequence[Sighting]) -> Limb:
-    """Measure a ball's limb where it is seen in some cuttings; a usual one if it is nowhere."""
-    return measure_limb(*_looked_at(cuttings, seen)) if seen else Limb()
+    """Measure a ball's limb where it is seen in some cuttings; a usual one if it is nowhere, or cut off."""
+    try:
+        return measure_limb(*_looked_at(cuttings, seen)) if seen else Limb()
+    except np.linalg.LinAlgError:  # the picture's border leaves too little of it
+        return Limb()
 
 
 def sharpened(

@@ -9,7 +9,7 @@ from tracking.blob import Blob
 from tracking.circle import MARGIN_PX, Circle, Guess, find_rims, fit_circles
 from tracking.limb import Limb
 from tracking.median import weighted_median
-from tracking.partial import ASIDE, SMEARED, alike, clarity, exceeds, lacks, started, with_clear_radius
+from tracking.partial import SMEARED, alike, clarity, exceeds, lacks, room, started, with_clear_radius
 from tracking.path import sharper
 from tracking.recording import Recording, View
 from tracking.sharp import limb_of, sharpened
@@ -58,7 +58,7 @@ def _sharp_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float, 
 
 def _cut_on_path(view: View, path: Mapping[int, Blob], radius: float) -> Cutting:
     blob = path[view.index]
-    return cut_out(view, (blob.x, blob.y), half_width(radius, blob.blur))
+    return cut_out(view, (blob.x, blob.y), half_width(radius, blob.blur) + max(room(blob, radius)))
 
 
 def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) -> list[Sighting]:
@@ -66,9 +66,9 @@ def _sight_on_path(cuttings: Cuttings, path: Mapping[int, Blob], radius: float) 
     blobs = [path[frame] for frame in cuttings.frames]
     guesses: list[Guess] = [(blob.x, blob.y, radius) for blob in blobs]
     lacking = np.array([lacks(blob, radius) for blob in blobs], dtype=bool)
-    unlike = lacking | np.array([exceeds(blob, radius) for blob in blobs], dtype=bool)
+    unlike = {i: blob for i, blob in enumerate(blobs) if lacking[i] or exceeds(blob, radius)}
     blur = np.where(lacking, 0.0, [blob.blur for blob in blobs])  # what is flat lacks part of the ball
-    guesses = started(cuttings, guesses, blur, np.flatnonzero(unlike).tolist())
+    guesses = started(cuttings, guesses, blur, unlike)
     found = sight_once(cuttings, guesses, blur)
     weigh = clarity if lacking.mean() > OFTEN else alike
     for _ in range(REFITS):
@@ -121,4 +121,4 @@ def sight_once(cuttings: Cuttings, guesses: Sequence[Guess], blur: FloatArray) -
 
 def half_width(radius: float, blur: float) -> float:
     """Half the width of what is cut out, so that rays hardly ever leave it."""
-    return (1 + ASIDE + WIDE) * radius + 2 * MARGIN_PX + blur + 2
+    return (1 + WIDE) * radius + 2 * MARGIN_PX + blur + 2

@@ -1,6 +1,6 @@
 """Images → one `Track` per ball, in pixels."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,19 +12,20 @@ from tracking.candidates import Candidates, find_candidates
 from tracking.choice import FEWEST_FRAMES, choose_ball, choose_path
 from tracking.circle import Guess, fit_circles
 from tracking.errors import RecordingError
+from tracking.fall import first_fall
 from tracking.notebook import html_table
-from tracking.path import first_turn
-from tracking.resting import sight_resting
+from tracking.resting import find_resting, sight_resting
 from tracking.rivals import is_rival, nearest, refusal, without
 from tracking.scatter import path_scatter
 from tracking.sight import sight_along
 from tracking.sighting import Sighting
-from tracking.size import common_radius
+from tracking.size import MOST_SIZED, common_radius
 from tracking.video import Recording
 
 FloatArray = npt.NDArray[np.float64]
 
 TOUCHING = 0.9  # of the sum of two radii: as near may their centres seem to be
+SLACK = 0.4  # radii deeper than where it touches the ball below: a patch need not lie in the middle of a ball
 FINEST_PX = 0.003  # no rim is located better than this
 SHARED = 0.75  # of what scatters more than rims tell: compression errs as much alike at like height
 SHADING_SD = 0.22  # of how far a ball's shading moves its rim
@@ -57,6 +58,11 @@ class Track:
     shared_sd: float = 0.0
     offset_sd: float = 0.0
     sizes: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def shows_size(self) -> bool:
+        """Whether all of its rim was seen in most frames; if not, its radius is a guess by part of it."""
+        return not len(self.sizes) or bool(np.isfinite(self.sizes).mean() >= MOST_SIZED)
 
     def _repr_html_(self) -> str:
         """Show where and when the ball was seen."""
@@ -104,14 +110,19 @@ def track_balls(
     for ball, size in (("", radius), ("lower ", radius and lower and radius * lower)):
         _require_that_fits(recording, ball, size)
     candidates, around = find_candidates(recording)
-    path, radius = choose_ball(recording, candidates, around, radius)
-    path = _the_one(recording, candidates, path, (radius, start_px))
-    tracks = [_as_track("upper", sight_along(around, path, radius), recording)]
-    if lower is not None:
-        below = _place_below(list(path.values()), radius, lower)
-        highest = _touching(tracks[0], tracks[0].radius + below[2], len(recording.times))
-        tracks.append(_as_track("lower", sight_resting(recording, below, highest), recording))
-    return tracks
+    path, radius = _falling_ball(recording, candidates, around, (radius, start_px))
+    if lower is None:
+        return [_as_track("upper", sight_along(around, path, radius), recording)]
+    below = _find_below(around, path, radius, lower)
+    deepest = below[1] - TOUCHING * (radius + below[2])
+    lowest_patch = deepest + SLACK * radius
+    if any(blob.y > lowest_patch for blob in path.values()):
+        above = {k: [blob for blob in blobs if blob.y <= lowest_patch] for k, blobs in candidates.items()}
+        path, _ = _falling_ball(recording, above, around, (radius, start_px))
+    seen = [sighting for sighting in sight_along(around, path, radius) if sighting.circle.y <= deepest]
+    upper = _as_track("upper", seen, recording)
+    highest = _touching(upper, upper.radius + below[2], len(recording.times))
+    return [upper, _as_track("lower", sight_resting(recording, below, highest), recording)]
 
 
 def _require_that_fits(recording: Recording, ball: str, radius: float | None) -> None:
@@ -124,29 +135,39 @@ def _require_that_fits(recording: Recording, ball: str, radius: float | None) ->
         )
 
 
-def _the_one(
+def _require_frames(recording: Recording, ball: str, count: int) -> None:
+    """Refuse a ball whose outline is hardly ever seen."""
+    if count < FEWEST_FRAMES:
+        raise RecordingError(
+            f"{recording.path.name}: the {ball} ball's outline was seen in {count} frames only; "
+            "film it larger, sharper and against a background of another colour"
+        )
+
+
+def _falling_ball(
     recording: Recording,
     candidates: Candidates,
-    path: dict[int, Blob],
-    told: tuple[float, Sequence[float] | None],
-) -> dict[int, Blob]:
-    """Look for a second ball that falls, and choose by where it starts; `told` are radius and place."""
-    radius, start_px = told
+    around: Recording,
+    told: tuple[float | None, Sequence[float] | None],
+) -> tuple[dict[int, Blob], float]:
+    """Choose the ball that falls, and its radius; of two by where it starts. `told` are radius and place."""
+    path, radius = choose_ball(recording, candidates, around, told[0])
     other = choose_path(without(path, candidates, radius), radius)
     paths = [path, other] if other and is_rival(other, path, radius) else [path]
-    if start_px is not None:
-        return dict(nearest(paths, start_px, recording.size, recording.path.name))
+    if told[1] is not None:
+        return dict(nearest(paths, told[1], recording.size, recording.path.name)), radius
     if len(paths) > 1:
         raise refusal(paths, recording.path.name)
-    return path
+    return path, radius
 
 
-def _place_below(path: Sequence[Blob], radius: float, lower: float) -> Guess:
-    """Guess the resting ball: under the place where the falling ball first turns."""
-    seen = [blob for blob in path if blob.height < 3 * radius]
-    depth = np.array([blob.y for blob in seen])
-    turn = seen[first_turn(depth, radius)]
-    return turn.x, turn.y + radius * (1 + lower), radius * lower
+def _find_below(recording: Recording, path: Mapping[int, Blob], radius: float, lower: float) -> Guess:
+    """Find the ball that rests where the other one first lands."""
+    fall = first_fall(path, radius)
+    end = path[fall[-1]]
+    return find_resting(
+        recording, fall[len(fall) // 2], (end.x, end.y + radius * (1 + lower), radius * lower)
+    )
 
 
 def _touching(upper: Track, gap: float, frames: int) -> FloatArray:
@@ -156,11 +177,7 @@ def _touching(upper: Track, gap: float, frames: int) -> FloatArray:
 
 def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) -> Track:
     """Fit all rims again with the one radius of the sharpest pictures."""
-    if len(sightings) < FEWEST_FRAMES:
-        raise RecordingError(
-            f"{recording.path.name}: the {ball} ball's outline was seen in {len(sightings)} frames only; "
-            "film it larger, sharper and against a background of another colour"
-        )
+    _require_frames(recording, ball, len(sightings))
     radius, radius_sd = common_radius(sightings)
     if 2 * radius < MINIMUM_DIAMETER_PX:
         raise RecordingError(
@@ -171,6 +188,7 @@ def _as_track(ball: str, sightings: Sequence[Sighting], recording: Recording) ->
     rims = [s.rim for s in sightings]
     fits = fit_alike(rims, fit_circles(rims, guesses, free_radius=False))
     seen = [(s, circle) for s, circle in zip(sightings, fits, strict=True) if circle is not None]
+    _require_frames(recording, ball, len(seen))
     frame = np.array([s.frame for s, _ in seen], dtype=np.int64)
     places = np.array([(c.x, c.y) for _, c in seen]).reshape(-1, 2)
     by_rim = np.maximum([(c.x_sd, c.y_sd) for _, c in seen], FINEST_PX).reshape(-1, 2)
