@@ -2,24 +2,32 @@
 
 import numpy as np
 
+from experiments.known import PART_SEEN, TELL_SCALE
 from tracking.depth import motion_in_depth
 from tracking.flight import STANDARD_GRAVITY
 from tracking.pair_impact import PairImpact
 from tracking.shot import Shot
+from tracking.sides import before_and_after
 from tracking.track import Track
 from tracking.velocity import Impact
 
 GRAVITY_TOLERANCE = 0.15  # fitted over expected gravity; beyond it scale or time base is wrong
+UNSEEN_TOLERANCE = 0.08  # ... where the scale is the size of a ball of which part is not seen,
+LARGEST_MISTAKE = 0.4  # ... up to this: no size is misread so far
+PROBABLE = 2.0  # standard deviations
 SIDEWAYS_TOLERANCE = 0.2  # of the rebound speed: the hit was not central
 CERTAIN = 3.0  # standard deviations
 RAMP = 2.5  # half the rate makes gravity four times less; air alone makes it up to twice less
 VAGUE = 0.1  # of the approach speed: a velocity known no better tells nothing
 SWELLING = 0.12  # of a ball's size: more is no motion in depth that can be put right
 TILTED = 0.25  # of a ball's size from top to bottom: more, and the slant of its path counts as well
+RESTS, MOST_OF_REST = 0.1, (0.05, 0.95)  # radii that a ball at rest seems to move at most, most of the time
 MOMENTUM_TOLERANCE = 0.05  # of the momentum before; beyond it, and three sd, something else took part
 
 
-def find_doubt(impact: Impact, capture_fps: float, likely_fps: int | None = None) -> str:
+def find_doubt(
+    impact: Impact, capture_fps: float, likely_fps: int | None = None, *, unseen_scale: bool = False
+) -> str:
     """Say what is wrong with an impact and what helps; empty if nothing is.
 
     Parameters
@@ -30,10 +38,14 @@ def find_doubt(impact: Impact, capture_fps: float, likely_fps: int | None = None
         Frames/s at which the recording is believed to be captured.
     likely_fps : int, optional
         Frames/s at which it would show gravity as it is.
+    unseen_scale : bool
+        Whether the scale is the ball's size, and that is not seen well.
     """
     changed = _changing_rate(impact)
     if changed:
         return changed
+    if unseen_scale and _size_is_wrong(impact):
+        return f"{_fitted_gravity(impact)}: {PART_SEEN}; {TELL_SCALE}"
     if gravity_is_wrong(impact):
         return _wrong_gravity(impact, capture_fps, likely_fps)
     approach, rebound = impact.velocities[:2]
@@ -93,6 +105,22 @@ def find_size_doubt(ball: Track) -> str:
     )
 
 
+def find_rest_doubt(lower: Track, impact: Impact) -> str:
+    """Say that the lower ball (track in metres) moves before it is struck; empty if it rests."""
+    before, _ = before_and_after(lower, impact.time)
+    if not before.size:
+        return ""
+    moved = max(float(np.ptp(np.quantile(place[before], MOST_OF_REST))) for place in (lower.x, lower.y))
+    noise = float(np.median(np.maximum(lower.x_sd, lower.y_sd)))
+    if moved <= max(2 * CERTAIN * noise, RESTS * lower.radius):
+        return ""
+    return (
+        f"the lower ball moves by {1000 * moved:.1f} mm before the impact at {impact.time:.3f} s, where it "
+        "has to rest: an earlier impact was missed, or it was touched; look at the overlay, film against a "
+        "background of another colour, and let the lower ball come to rest"
+    )
+
+
 def find_shot_doubt(shot: Shot) -> str:
     """Say that a shot is known too vaguely and what helps; empty if not. `Shot.doubts` tells the rest."""
     speed, vague = float(np.hypot(*shot.velocity)), float(np.max(shot.velocity_sd))
@@ -144,12 +172,23 @@ def gravity_is_wrong(impact: Impact) -> bool:
     return not off <= max(GRAVITY_TOLERANCE, CERTAIN * impact.gravity_check_sd)
 
 
+def _size_is_wrong(impact: Impact) -> bool:
+    """Tell whether the ball, whose size is the scale, falls as if it were larger or smaller than it seems."""
+    off = abs(impact.gravity_check - 1)
+    return max(UNSEEN_TOLERANCE, PROBABLE * impact.gravity_check_sd) < off < LARGEST_MISTAKE
+
+
 def _wrong_gravity(impact: Impact, capture_fps: float, likely_fps: int | None) -> str:
     """Say what the fitted gravity tells of the time base or the scale."""
-    fitted = f"fitted gravity is {impact.gravity_check * STANDARD_GRAVITY:.2f} m/s²"
+    fitted = _fitted_gravity(impact)
     if likely_fps is not None:
         return (
             f"{fitted}: this looks like {likely_fps} fps stored as {capture_fps:.4g}; "
             f"use --capture-fps {likely_fps}"
         )
     return f"{fitted}: check the scale (--ball-diameter, --metres-per-pixel) and the rate (--capture-fps)"
+
+
+def _fitted_gravity(impact: Impact) -> str:
+    """Say what gravity the flights show."""
+    return f"fitted gravity is {impact.gravity_check * STANDARD_GRAVITY:.2f} m/s²"

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibrate.rows import VELOCITIES
-from experiments.doubt import find_doubt, find_size_doubt, gravity_is_wrong
+from experiments.doubt import find_doubt, find_rest_doubt, find_size_doubt, gravity_is_wrong
 from experiments.known import (
     SCALES_AGREE,
     budget_of,
@@ -62,10 +62,14 @@ def measure_drop(measured: Measured, recording: Recording) -> None:
     measured.remarks += untold_shutter(trial, change, scale, recording)
     believed = recording.capture_fps
     wrong = any(map(gravity_is_wrong, impacts))
-    rates = (believed, likely_rate(measured.tracks[0], flights[0], believed) if wrong else None)
-    measured.rows = [_row(trial, impact, number, rates) for number, impact in enumerate(impacts, start=1)]
-    if swelling:
-        measured.rows = [row if row["reason"] else {**row, **judgement(swelling)} for row in measured.rows]
+    likely = likely_rate(measured.tracks[0], flights[0], believed) if wrong else None
+    unseen = given_scale(trial) is None and not tracks[0].shows_size
+    doubts = [find_doubt(impact, believed, likely, unseen_scale=unseen) or swelling for impact in impacts]
+    restless = find_rest_doubt(measured.tracks[1], impacts[0]) if trial.kind == "two" else ""
+    measured.rows = [
+        _row(trial, impact, restless or doubt, number)
+        for number, (impact, doubt) in enumerate(zip(impacts, doubts, strict=True), start=1)
+    ]
     fits = [_fits(impact, measured.tracks, flights) for impact in impacts]
     measured.fits = [fit for impact in fits for fit in impact]
     scenes = _scenes(measured, impacts, fits, scale)
@@ -129,8 +133,8 @@ def _restitution(impact: Impact) -> tuple[float, float]:
     return float(-rebound / approach), float(np.sqrt(slope @ impact.covariance[:2, :2] @ slope))
 
 
-def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | None]) -> dict[str, Any]:
-    """One row of the trial table; rates of capture as believed, and as gravity tells where it is off."""
+def _row(trial: Trial, impact: Impact, doubt: str, number: int) -> dict[str, Any]:
+    """One row of the trial table."""
     shared = {
         f"{name}_{source}": float(effect)
         for source, effects in impact.shared.items()
@@ -138,7 +142,7 @@ def _row(trial: Trial, impact: Impact, number: int, rates: tuple[float, int | No
     }
     return {
         **empty_row(trial),
-        **judgement(find_doubt(impact, *rates)),
+        **judgement(doubt),
         "impact": number,
         "time": impact.time,
         **cells(VELOCITIES, list(impact.velocities), list(impact.sd)),

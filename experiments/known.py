@@ -17,7 +17,15 @@ from tracking.video import Recording
 
 AIR = Air()
 LIGHTEST = 80.0  # kg/m³, a ping-pong ball: air acts less on anything else that people drop
+PART_SEEN = (
+    "in many frames part of the ball's rim is as bright as the wall, so its size, which is the scale, is not "
+    "seen well"
+)
+TELL_SCALE = (
+    "tell the scale (--metres-per-pixel, or a ruler in experiment.toml), or film against another colour"
+)
 SCALES_AGREE = 0.03  # two scales further apart mean that ball and ruler are not equally far away
+PART_AGREES = 0.08  # ... of which one is the size of a ball that is seen in part
 
 
 def given_scale(trial: Trial) -> Scale | None:
@@ -49,18 +57,24 @@ def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
     given, diameter = given_scale(trial), trial.body("upper").diameter
     if given is None:
         seen = scale_from_ball(ball, diameter or 0.0)
-        return seen, [f"scale: {seen.source}"]
+        remarks = [f"scale: {seen.source}"]
+        return seen, remarks if ball.shows_size else [*remarks, f"scale: {PART_SEEN}; {TELL_SCALE}"]
     if diameter is None:
         return given, []
     seen = scale_from_ball(ball, diameter)
     larger = float(diameter / 2 / ball.radius / np.median(local_scale(given, ball.x, ball.y))) - 1
-    if abs(larger) <= max(SCALES_AGREE, 2 * float(np.hypot(seen.relative_sd, given.relative_sd))):
+    agree = SCALES_AGREE if ball.shows_size else PART_AGREES
+    if abs(larger) <= max(agree, 2 * float(np.hypot(seen.relative_sd, given.relative_sd))):
         return given, []
     where = "behind" if larger < 0 else "before"
     remark = (
         f"two scales differ by {abs(larger):.1%}: {given.source}, but {seen.source}: what gave the scale "
         f"seems to be {where} the ball"
     )
+    if not ball.shows_size:
+        return given, [
+            f"{remark}, or part of the ball's rim is as bright as the wall; what was given is used"
+        ]
     if "metres_per_pixel" in trial.camera.scale:
         return given, [f"{remark}, or the diameter is wrong; check both"]
     seen = replace(rescaled(given, 1 + larger), relative_sd=seen.relative_sd)

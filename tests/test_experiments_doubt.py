@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.doubt import find_doubt, find_size_doubt
+from experiments.doubt import find_doubt, find_rest_doubt, find_size_doubt
 from experiments.rates import likely_rate
 from tracking.flight import Air, Flight, flight_of_ball, position
 from tracking.track import Track
@@ -113,3 +113,27 @@ def test_ball_that_seems_to_swell_is_doubted() -> None:
     assert "background of another colour" in seen(0.16)
     assert seen(0.02, tilt=0.16) == ""
     assert "the camera is tilted too far; set it level" in seen(0.02, tilt=0.4)
+
+
+@pytest.mark.parametrize(("hop", "moves"), [(0.0, False), (0.001, False), (0.004, True)])
+def test_a_ball_that_moves_before_it_is_struck_is_not_at_rest(hop: float, moves: bool) -> None:
+    impact = first(bounce())
+    lower = replace(bounce(), ball="lower")
+    lower = replace(lower, y=0.02 + hop * np.sin(40 * lower.time) ** 2)
+    doubt = find_rest_doubt(lower, impact)
+    rolls = find_rest_doubt(replace(lower, x=0.3 * lower.time), impact)
+    assert "where it has to rest" in rolls
+    assert ("where it has to rest" in doubt) == moves
+    assert ("3.9 mm before the impact at 0.150 s" in doubt) == moves
+
+
+def test_gravity_off_by_a_tenth_is_the_fault_of_a_size_that_is_not_seen() -> None:
+    impact = replace(first(bounce()), gravity_check=1.12, gravity_check_sd=0.04)
+    assert find_doubt(impact, 240) == ""
+    assert find_doubt(replace(impact, gravity_check_sd=0.07), 240, unseen_scale=True) == ""
+    slow = find_doubt(replace(impact, gravity_check=0.0157), 30, 240, unseen_scale=True)
+    assert slow.endswith("this looks like 240 fps stored as 30; use --capture-fps 240")
+    doubt = find_doubt(impact, 240, unseen_scale=True)
+    assert doubt.startswith("fitted gravity is 10.98 m/s²: in many frames part of the ball's rim")
+    assert "tell the scale" in doubt
+    assert find_doubt(first(bounce()), 240, unseen_scale=True) == ""
