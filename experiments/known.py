@@ -17,10 +17,8 @@ from tracking.video import Recording
 
 AIR = Air()
 LIGHTEST = 80.0  # kg/m³, a ping-pong ball: air acts less on anything else that people drop
-PART_SEEN = (
-    "in many frames part of the ball's rim is as bright as the wall, so its size, which is the scale, is not "
-    "seen well"
-)
+LIKE_THE_WALL = "part of the ball's rim is as bright as the wall"
+PART_SEEN = f"in many frames {LIKE_THE_WALL}, so its size, which is the scale, is not seen well"
 TELL_SCALE = (
     "tell the scale (--metres-per-pixel, or a ruler in experiment.toml), or film against another colour"
 )
@@ -72,9 +70,7 @@ def chosen_scale(trial: Trial, ball: Track) -> tuple[Scale, list[str]]:
         f"seems to be {where} the ball"
     )
     if not ball.shows_size:
-        return given, [
-            f"{remark}, or part of the ball's rim is as bright as the wall; what was given is used"
-        ]
+        return given, [f"{remark}, or {LIKE_THE_WALL}; what was given is used"]
     if "metres_per_pixel" in trial.camera.scale:
         return given, [f"{remark}, or the diameter is wrong; check both"]
     seen = replace(rescaled(given, 1 + larger), relative_sd=seen.relative_sd)

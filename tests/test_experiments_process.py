@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from clips import SMALL, Clip, film
-from tracks import as_track
 
 from calibrate.trials import read_trials
 from experiments.batch import Batch, process_all
 from experiments.experiment import ExperimentError
-from experiments.known import chosen_scale
 from experiments.measured import Measured
 from experiments.process import measure
 from experiments.trial import Body, Camera, Trial
@@ -120,24 +118,6 @@ def test_wrong_rate_is_suspect_and_the_right_one_proposed(tmp_path: Path) -> Non
     told = measure(trial_of(slow.path, camera=replace(GIVEN, capture_fps=240)))
     assert_true(first_row(told), slow.truth)
     assert "captured at 240 frames/s (--capture-fps) but stored at 30" in told.remarks
-
-
-def test_a_ruler_is_believed_rather_than_a_ball_whose_rim_is_not_seen() -> None:
-    ruler = Camera(scale={"points_px": [[10, 31.5], [10, 331.5]], "distance": 0.24})
-    clear = replace(as_track(np.arange(60) / 240, np.linspace(40, 300, 60)), unit="px", radius=21.0)
-    clear = replace(clear, radius_sd=0.05, sizes=np.full(60, 21.0))
-    hidden = replace(clear, sizes=np.where(np.arange(60) < 30, 21.0, np.nan))
-    trial = trial_of(Path("drop.mp4"), camera=ruler)
-    (scale, (said,)), (own, (differs,)) = chosen_scale(trial, hidden), chosen_scale(trial, clear)
-    assert said.endswith("part of the ball's rim is as bright as the wall; what was given is used")
-    assert chosen_scale(trial, replace(hidden, radius=26.5))[1] == []
-    assert scale.matrix[0, 0] == pytest.approx(0.0008)
-    assert own.matrix[0, 0] == pytest.approx(0.0400 / 42)
-    assert differs.startswith("two scales differ by 19.0%")
-    _, remarks = chosen_scale(trial_of(Path("drop.mp4"), camera=Camera()), hidden)
-    assert any(
-        "its size, which is the scale, is not seen well; tell the scale" in remark for remark in remarks
-    )
 
 
 def test_wrong_scale_is_suspect(plate_clip: Clip) -> None:

@@ -2,22 +2,10 @@
 
 from dataclasses import replace
 
+from tracks import BALL
+
 from tracking.blob import Blob
 from tracking.path import best_path, guess_radius, sharper
-
-BALL = Blob(
-    x=120,
-    y=0,
-    width=42,
-    height=43,
-    area=1420,
-    hull=1420,
-    contrast=78,
-    ghost=False,
-    colour=(120, 90, 190),
-    at_border=False,
-)
-"""Of 20 px radius."""
 
 
 def rising(number: int) -> Blob:

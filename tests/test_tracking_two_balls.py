@@ -1,10 +1,12 @@
 """A ball falls on one at rest that looks like it, before a wall that looks like both."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from clips import film
+from tracks import BALL
 
 from experiments.process import measure
 from experiments.trial import Body, Trial
@@ -21,63 +23,44 @@ WHITE, GREY, ORANGE = (235.0, 238.0, 240.0), (215.0, 220.0, 225.0), (40.0, 130.0
 VELOCITIES = ("approach_velocity", "upper_rebound_velocity", "lower_rebound_velocity")
 
 
-def blob(y: float) -> Blob:
-    return Blob(
-        x=100.0,
-        y=y,
-        width=40.0,
-        height=40.0,
-        area=1256.0,
-        hull=1256.0,
-        contrast=50.0,
-        ghost=False,
-        colour=(0, 0, 0),
-        at_border=False,
-    )
-
-
 def path_of(*parts: np.ndarray) -> dict[int, Blob]:
     """A path through patches at these depths, px, one a frame."""
-    return {number: blob(float(y)) for number, y in enumerate(np.concatenate(parts))}
+    return {number: replace(BALL, y=float(y)) for number, y in enumerate(np.concatenate(parts))}
 
 
 HELD, FALL = np.full(10, 50.0), 50 + 0.15 * np.arange(40) ** 2
 RISE = FALL[-1] - 6 * np.arange(1, 20)
 
 
+BIG_ON_SMALL = DropScene(
+    kind="two",
+    drop_height=0.2,
+    after=0.4,
+    radii=(0.030, 0.020),
+    masses=(0.008, 0.0027),
+    first_rebound=(0.6, 0.5),
+    camera=Camera(width_px=320),
+    colours=(WHITE, WHITE),
+    seed=8,
+)
+ALIKE = replace(BIG_ON_SMALL, radii=(0.020, 0.020), masses=(0.0027, 0.0027))
+
+
 @pytest.mark.parametrize(
-    ("colours", "radii", "masses", "rebound", "seed"),
+    "scene",
     [
-        ((WHITE, WHITE), (0.030, 0.020), (0.008, 0.0027), (0.6, 0.5), 8),
-        ((GREY, GREY), (0.020, 0.020), (0.0027, 0.0027), (0.75, 0.35), 0),
-        ((GREY, GREY), (0.030, 0.020), (0.008, 0.0027), (0.6, 0.5), 8),
-        ((ORANGE, WHITE), (0.020, 0.020), (0.0027, 0.0027), (0.3, 0.25), 15),
+        BIG_ON_SMALL,
+        replace(ALIKE, colours=(GREY, GREY), first_rebound=(0.75, 0.35), seed=0),
+        replace(BIG_ON_SMALL, colours=(GREY, GREY)),
+        replace(ALIKE, colours=(ORANGE, WHITE), first_rebound=(0.3, 0.25), seed=15),
     ],
 )
-def test_two_balls_are_measured_before_a_wall_as_bright_as_they(
-    colours: tuple[tuple[float, float, float], tuple[float, float, float]],
-    radii: tuple[float, float],
-    masses: tuple[float, float],
-    rebound: tuple[float, float],
-    seed: int,
-    tmp_path: Path,
-) -> None:
-    scene = DropScene(
-        kind="two",
-        drop_height=0.2,
-        after=0.4,
-        radii=radii,
-        masses=masses,
-        first_rebound=rebound,
-        camera=Camera(width_px=320),
-        colours=colours,
-        seed=seed,
-    )
+def test_two_balls_are_measured_before_a_wall_as_bright_as_they(scene: DropScene, tmp_path: Path) -> None:
     clip = film(scene, tmp_path / "two.mp4")
     event = clip.truth["events"][0]
     bodies = {
         name: Body(mass=mass, diameter=2 * radius)
-        for name, mass, radius in zip(("upper", "lower"), masses, radii, strict=True)
+        for name, mass, radius in zip(("upper", "lower"), scene.masses, scene.radii, strict=True)
     }
     for scale, within in (({"metres_per_pixel": 0.0008}, 0.003), ({"ball_diameter": "upper"}, 0.01)):
         trial = Trial(name="two", video=clip.path, kind="two", bodies=bodies, camera=Filmed(scale=scale))

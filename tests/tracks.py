@@ -2,9 +2,23 @@
 
 import numpy as np
 
+from tracking.blob import Blob
 from tracking.track import Track
 
 RADIUS = 0.02
+BALL = Blob(
+    x=120,
+    y=0,
+    width=42,
+    height=43,
+    area=1420,
+    hull=1420,
+    contrast=78,
+    ghost=False,
+    colour=(120, 90, 190),
+    at_border=False,
+)
+"""The patch of a ball of 20 px radius."""
 
 
 def as_track(

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tracking.size import MOST_SIZED
 from tracking.track import Track
 
 FloatArray = npt.NDArray[np.float64]
@@ -72,7 +71,7 @@ def motion_in_depth(track: Track) -> Depth:
     """
     count = len(track.time)
     known = np.isfinite(track.sizes) if len(track.sizes) == count else np.zeros(count, dtype=bool)
-    if known.sum() < max(FEWEST_FRAMES, MOST_SIZED * count):
+    if not track.shows_size or known.sum() < FEWEST_FRAMES:
         return Depth(size=np.ones(count))
     step = np.abs(np.gradient(track.y, track.frame))
     slow = known & (step < SLOW * track.radius)

@@ -13,10 +13,9 @@ import numpy.typing as npt
 from tracking.circle import MARGIN_PX, Guess, find_rims, fit_circles
 from tracking.limb import Limb
 from tracking.partial import OTHER_BALL
-from tracking.patch import laid_out
 from tracking.recording import Recording
 from tracking.sharp import limb_of, sharpened
-from tracking.sight import MEMORY, NARROW, WIDE, half_width, sight_once
+from tracking.sight import MEMORY, NARROW, half_width, sight_once
 from tracking.sighting import Cutting, Cuttings, Sighting, cut_out, together
 from tracking.video import revisit
 
@@ -91,10 +90,8 @@ def find_resting(recording: Recording, frame: int, expected: Guess) -> Guess:
     cutting = cut_out(view, (x, (highest + lowest) / 2), (lowest - highest) / 2 + half_width(radius, 0.0))
     down = np.arange(highest, lowest, SPACING * radius).tolist()
     guesses: list[Guess] = [(x + aside * radius, y, radius) for y in down for aside in ACROSS]
-    for reach, free in ((WIDE * radius + MARGIN_PX, False), (NARROW * radius + MARGIN_PX, True)):
-        rims = find_rims(laid_out([cutting.patch]).take([0] * len(guesses)), guesses, reach=reach)
-        circles = [c for c in fit_circles(rims, guesses, free_radius=free) if c is not None]
-        guesses = [(c.x, c.y, radius) for c in circles]
+    seen = sight_once(together([cutting]).take([0] * len(guesses)), guesses, np.zeros(len(guesses)))
+    circles = [sighting.circle for sighting in seen if sighting is not None]
     possible = [c for c in circles if abs(c.radius / radius - 1) < OTHER_BALL and c.y > highest]
     below = np.array([circle.y - expected[1] for circle in possible]) / radius
     unlikely = [c.vagueness for c in possible] * (1 + (below / np.where(below > 0, BELOW, 1.0)) ** 2)
